@@ -108,6 +108,16 @@ pub trait TestObserver {
         let _ = (blocks, orders);
         Verdict::NONE
     }
+
+    /// What the rig watch says, where this is it.
+    fn says(&self) -> Option<String> {
+        None
+    }
+
+    /// The rig watch says something else now.
+    fn on_watch(&mut self, said: &str) {
+        let _ = said;
+    }
 }
 
 impl TestObserver for () {
@@ -140,6 +150,14 @@ impl<W: TestObserver + ?Sized> TestObserver for &mut W {
     fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         (**self).judge(blocks, orders)
     }
+
+    fn says(&self) -> Option<String> {
+        (**self).says()
+    }
+
+    fn on_watch(&mut self, said: &str) {
+        (**self).on_watch(said);
+    }
 }
 
 impl<W: TestObserver> TestObserver for Option<W> {
@@ -171,6 +189,16 @@ impl<W: TestObserver> TestObserver for Option<W> {
     fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         self.as_mut()
             .map_or(Verdict::NONE, |own| own.judge(blocks, orders))
+    }
+
+    fn says(&self) -> Option<String> {
+        self.as_ref()?.says()
+    }
+
+    fn on_watch(&mut self, said: &str) {
+        if let Some(observer) = self {
+            observer.on_watch(said);
+        }
     }
 }
 
@@ -205,6 +233,25 @@ impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
     #[inline]
     fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         let first = self.0.judge(blocks, orders);
-        first.with(self.1.judge(blocks, orders))
+        let second = self.1.judge(blocks, orders);
+        if first.changed
+            && let Some(said) = self.0.says()
+        {
+            self.1.on_watch(&said);
+        } else if second.changed
+            && let Some(said) = self.1.says()
+        {
+            self.0.on_watch(&said);
+        }
+        first.with(second)
+    }
+
+    fn says(&self) -> Option<String> {
+        self.0.says().or_else(|| self.1.says())
+    }
+
+    fn on_watch(&mut self, said: &str) {
+        self.0.on_watch(said);
+        self.1.on_watch(said);
     }
 }

@@ -1,8 +1,9 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
-use diagnosis::{ChannelAnswer, Engine, Verdict};
+use diagnosis::{ChannelAnswer, Engine, Model, Recording, Verdict};
 use experiment::files::measured::{FilePart, RecordFiles};
 use experiment::files::model;
+use experiment::watch::{WatchReport, agreement, of_record};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -83,6 +84,16 @@ pub fn lot(folder: &str) -> Option<Vec<Case>> {
     Some(cases.case)
 }
 
+/// As [`Case::watched`], of a record with its model.
+///
+/// # Errors
+/// The sentence of a refusal.
+pub fn watched(declared: &Model, record: &Recording) -> Result<WatchReport, String> {
+    let mut report = of_record(declared, record).map_err(|e| e.to_string())?;
+    report.diagnosis = agreement(declared, record, &report, 1.0);
+    Ok(report)
+}
+
 impl Case {
     /// The answer of `outerloop diagnose`, and how long it took.
     ///
@@ -96,7 +107,7 @@ impl Case {
     ///
     /// # Errors
     /// The sentence of a refusal.
-    pub fn held_out(&self) -> Result<(diagnosis::Recording, f64), String> {
+    pub fn held_out(&self) -> Result<(Recording, f64), String> {
         let folder = &self.folder;
         let first = self.test.first().ok_or("nothing is held out")?;
         let (file, span) = first.split_once('@').unwrap_or((first, "0.."));
@@ -107,6 +118,16 @@ impl Case {
             .map_err(|e| e.to_string())?;
         let whole = whole.into_iter().next().ok_or("no record")?;
         Ok((whole, from_s.unwrap_or(0.0)))
+    }
+
+    /// What the rig watch would have said while the whole of the first record was measured, and whether the diagnosis agrees.
+    ///
+    /// # Errors
+    /// The sentence of a refusal.
+    pub fn watched(&self) -> Result<WatchReport, String> {
+        let (record, _) = self.held_out()?;
+        let declared = model::load(&self.folder.join(&self.model)).map_err(|e| e.to_string())?;
+        watched(&declared, &record)
     }
 
     /// What is trained with and what is held out.

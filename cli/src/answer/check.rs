@@ -70,6 +70,8 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
     for note in &a.notes {
         d.say(format!("Note: {note}."));
     }
+    d.heading("What will be watched");
+    d.say(watched(j));
     d.test_file(&c.experiment.test.text);
     d
 }
@@ -77,6 +79,18 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
 /// A verdict and why.
 pub(super) fn said(verdict: &str, reason: &str) -> String {
     format!("**{}**: {reason}.", verdict.to_uppercase())
+}
+
+/// What will be watchable in this test, in words.
+fn watched(judgement: &Judgement) -> String {
+    let Some(watch) = &judgement.watch else {
+        return "The rig watch is off in this test.".into();
+    };
+    let now = match watch.events.iter().any(|e| !e.set.is_empty()) {
+        true => format!(" On the simulated rig: {}", watch.sentence()),
+        false => String::new(),
+    };
+    format!("{}{now}", watch.outlook())
 }
 
 /// The error to expect, in words.

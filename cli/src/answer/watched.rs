@@ -3,7 +3,7 @@
 use super::figures::Figures;
 use crate::document::Document;
 use crate::document::plot::{Colour, Curve, GROUND, TALL, TESTED, THIRD, WIDE, WRONG};
-use experiment::watch::{NamedCause, WatchEvent};
+use experiment::watch::WatchEvent;
 use std::ops::Range;
 
 /// What it says of the rig, and the colour of the motion while it does.
@@ -36,7 +36,7 @@ impl Figures<'_> {
             let curves = self.coloured(&spans, off);
             Self::in_time(d, shape, label, &curves, self.on_floor(j, caption));
         }
-        d.on_page(|d| d.items(watch.events.iter().map(in_words).collect()));
+        d.on_page(|d| d.items(watch.events.iter().map(WatchEvent::in_words).collect()));
     }
 
     /// From which integration step to which it said what, as a place in [`STATES`].
@@ -74,24 +74,4 @@ impl Figures<'_> {
             })
             .collect()
     }
-}
-
-/// What it said and did, from when on.
-fn in_words(e: &WatchEvent) -> String {
-    let causes: Vec<String> = e.set.iter().map(NamedCause::in_words).collect();
-    let what = match &causes[..] {
-        [] => String::new(),
-        several => format!(": {}", several.join(", or ")),
-    };
-    let corrects = if e.corrected {
-        "; it is corrected for"
-    } else {
-        ""
-    };
-    let holds = if e.held {
-        "; the compensation is held at what was declared"
-    } else {
-        ""
-    };
-    format!("{:.2} s, **{}**{what}{corrects}{holds}", e.t_s, e.state)
 }

@@ -80,6 +80,10 @@ impl TestObserver for Scope {
     fn requested_event(&mut self) -> Option<Event> {
         self.shared.requested_event()
     }
+
+    fn on_watch(&mut self, said: &str) {
+        self.shared.take_watch(said);
+    }
 }
 
 impl Drop for Scope {

@@ -38,6 +38,8 @@ struct State {
     mode: Mode,
     step: u32,
     waiting: PendingPoints,
+    /// What the rig watch says; empty while it has said nothing.
+    watch: String,
     /// Messages since the beginning, the last of them kept.
     sent: Vec<Arc<str>>,
     first: usize,
@@ -70,6 +72,7 @@ pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared
             mode: Mode::Idle,
             step: 0,
             waiting: PendingPoints::new(),
+            watch: String::new(),
             sent: Vec::new(),
             first: 0,
             reported_mode: None,
@@ -130,6 +133,11 @@ impl Shared {
         state.waiting.take(columns, band);
     }
 
+    /// What the rig watch says from now on.
+    pub fn take_watch(&self, said: &str) {
+        said.clone_into(&mut self.state().watch);
+    }
+
     /// The last button, once.
     pub fn requested_event(&self) -> Option<Event> {
         self.state().requested.take()
@@ -162,10 +170,11 @@ impl Shared {
             .filter(|b| !ended && event_of(b, mode).is_some())
             .collect();
         let mut text = format!(
-            "{{\"mode\":\"{}\",\"ended\":{ended},\"allowed\":{allowed:?},\"step\":{},\"wall_ms\":{},\"points\":[",
+            "{{\"mode\":\"{}\",\"ended\":{ended},\"allowed\":{allowed:?},\"step\":{},\"wall_ms\":{},\"watch\":{},\"points\":[",
             mode.name(),
             state.step,
             wall_ms(),
+            serde_json::Value::from(state.watch.as_str()),
         );
         for (i, point) in points.iter().enumerate() {
             if i > 0 {

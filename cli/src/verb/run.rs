@@ -15,6 +15,7 @@ use diagnosis::ForceUnit;
 use experiment::Experiment;
 use experiment::compensation::Compensation;
 use experiment::failure::Failure;
+use experiment::files::measured::in_mm_of;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::files::{look_ahead, model, output, record_csv};
@@ -22,6 +23,7 @@ use experiment::judged::JudgedRun;
 use experiment::numbers::{length, three};
 use experiment::rig::improvement;
 use experiment::trace::Response;
+use experiment::watch::agreement;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -144,7 +146,10 @@ impl Run {
         let observer = (progress.observer(), &mut recorder);
         let seed = self.common.seed;
         let place = self.place.watched(self.scope.is_wanted());
-        let run = place.run(experiment, compensation, &ideal, seed, keep, observer)?;
+        let mut run = place.run(experiment, compensation, &ideal, seed, keep, observer)?;
+        if self.out.is_some() {
+            compare_with_diagnosis(test, &mut run);
+        }
         Ok(Ran {
             compensation,
             ideal,
@@ -269,6 +274,21 @@ struct Ran {
     run: JudgedRun,
     /// What the operator asked for.
     orders: Vec<OperatorOrder>,
+}
+
+/// Asks the diagnosis of the test's record whether it finds what the watch has named.
+fn compare_with_diagnosis(test: &TestFile, run: &mut JudgedRun) {
+    let (Some(watch), Some(trace)) = (&mut run.summary.watch, &run.trace) else {
+        return;
+    };
+    // The record is of the lowest floor alone.
+    let Some(model) = test.declared.as_ref().filter(|_| trace.floors.len() == 1) else {
+        return;
+    };
+    let record = in_mm_of(trace);
+    watch.diagnosis = terminal::while_waiting("diagnosing what the watch has named", || {
+        agreement(model, &record, watch, test.config.timing.time_scale)
+    });
 }
 
 /// Puts what the model file at `path` knows of the rig into the test, and says what was done.

@@ -163,10 +163,14 @@ fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
             event["t_s"].as_f64().unwrap(),
             event["state"].as_str().unwrap(),
         );
-        let line = format!("<li>{t_s:.2} s, <b>{state}</b>");
+        let line = format!("<li>{state} since {t_s:.2} s");
         assert!(page.contains(&line), "{line}");
     }
     assert!(page.contains("delay_error of the actuator") && page.contains("; it is corrected for"));
+    // The record behind the name is diagnosed, too, and the sentence says what came of it.
+    let diagnosis = &ran["watch"]["diagnosis"];
+    assert!(page.contains(diagnosis["sentence"].as_str().unwrap()));
+    assert_eq!(diagnosis["agrees"], true, "{diagnosis}");
     // A test in which nothing was to be said has no such part.
     let sound = arguments("examples/table1.toml").1;
     assert!(!sound.contains("What the watch saw"));

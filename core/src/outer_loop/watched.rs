@@ -25,6 +25,13 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
+    /// True in a step so many behind the one that filled a block, and in later ones: what is done apart does not add up in one
+    /// step. Blocks of one step or two leave no room for that.
+    #[inline]
+    pub fn is_past_block(&self, steps: u16) -> bool {
+        self.post.is_past(steps)
+    }
+
     /// The oldest block of the running test that was not given yet, one for each axis, with its number from 0. Each has to be
     /// answered with [`OuterLoop::order`], in turn.
     #[inline]

@@ -47,6 +47,15 @@ impl Hypothesis {
     }
 }
 
+/// The least coefficient of a column that would be a name beside the noise of a window, half tolerances.
+pub(super) fn least_named(answer: &Answer, regression: usize, column: usize) -> Option<f32> {
+    let sd = answer.sd[column];
+    let beyond = 2.0 + BEYOND[regression] * sd;
+    let likely = libm::sqrtf(NAME[regression] * (sd * sd + 1.0));
+    // Without freedom there is no deviation either.
+    (sd > 0.0).then(|| beyond.max(likely))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! From hypotheses to causes: which of them, on which side, since when.
 
 use super::declared::Declared;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, least_named};
 use super::name::{Cause, Set, Side};
 use super::regression::{ACTUATOR, Answer, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING, WINDOWS};
 use super::signals::Row;
@@ -65,6 +65,44 @@ impl Constants {
             blocks_a_period: (period_s * blocks_hz) as f32,
             settles: (round_s / (0.75 * period_s)).min(1.0) as f32,
         }
+    }
+}
+
+impl Constants {
+    /// What a column of a regression stands for, with its unit in a half tolerance; nothing where the sign of its coefficient
+    /// is no cause's: friction and forces that push, a force that is early. The bend of the phase is a part of the lateness, a
+    /// stiffness that depends on the way the specimen's own.
+    fn meaning(&self, regression: usize, column: usize, theta: f32) -> Option<(Cause, f32)> {
+        let force = self.peak_m * self.stiffness;
+        let (cause, unit, half) = if regression == ACTUATOR {
+            let (cause, unit) = match column {
+                OFFSET => (Cause::ActuatorOffset, self.peak_m),
+                GAIN => (Cause::ActuatorGain, 1.0),
+                LATE => (Cause::ActuatorLate, 1.0 / self.omega),
+                4 if theta > 0.0 => (Cause::ActuatorFriction, self.peak_m),
+                _ => return None,
+            };
+            (cause, unit, self.half.actuator[column])
+        } else {
+            let (role, half) = match regression {
+                FORCE => (column, self.half.force.get(column)?),
+                _ => (column + 1, self.half.unloading.get(column)?),
+            };
+            let (cause, unit) = match role {
+                0 => (Cause::ForceOffset, force),
+                1 => (Cause::ForceGain, 1.0),
+                2 if theta < 0.0 => (Cause::ForceLate, -1.0 / self.omega),
+                3 if theta > 0.0 => {
+                    let mass_kg = self.stiffness / (self.omega * self.omega);
+                    (Cause::Mass, mass_kg)
+                }
+                4 if theta > 0.0 => (Cause::BearingFriction, force),
+                5 if theta > 0.0 => (Cause::Play, 2.0 * self.peak_m),
+                _ => return None,
+            };
+            (cause, unit, *half)
+        };
+        Some((cause, half * unit))
     }
 }
 
@@ -160,6 +198,26 @@ impl Judge {
         let one = can_be.next().filter(|_| can_be.next().is_none())?;
         let actuators = settled().all(|f| f.cause.side() == Side::Actuator);
         (actuators || settled().count() == 1).then_some(one)
+    }
+
+    /// The least of `cause` that would be named at best if it acted now, in its unit; `None` where the motion tells nothing of it.
+    pub(super) fn least(&self, k: &Constants, cause: Cause) -> Option<f32> {
+        let mut least: Option<f32> = None;
+        for regression in [ACTUATOR, FORCE, UNLOADING] {
+            for column in 0..7 {
+                let unit = [-1.0, 1.0]
+                    .into_iter()
+                    .filter_map(|theta| k.meaning(regression, column, theta))
+                    .find_map(|(own, unit)| (own == cause).then_some(unit));
+                let Some(unit) = unit else { continue };
+                let answers = self.answers.iter().filter_map(|window| window[regression]);
+                for named in answers.filter_map(|a| least_named(&a, regression, column)) {
+                    let value = named * (unit * cause.per_si()).abs();
+                    least = Some(least.map_or(value, |least| least.min(value)));
+                }
+            }
+        }
+        least
     }
 
     pub(super) fn speed(&self) -> f32 {
@@ -310,12 +368,7 @@ impl Judge {
         for column in best.set() {
             let answer = &best.answer;
             let theta = answer.theta[column];
-            let half = k.half.actuator[column];
-            let (cause, unit) = match column {
-                OFFSET => (Cause::ActuatorOffset, k.peak_m),
-                GAIN => (Cause::ActuatorGain, 1.0),
-                LATE => (Cause::ActuatorLate, 1.0 / k.omega),
-                4 if theta > 0.0 => (Cause::ActuatorFriction, k.peak_m),
+            match column {
                 5 => {
                     let speed = self.limits[0] * k.omega * k.peak_m;
                     self.note(Cause::RateLimit, speed, 0.05 * speed);
@@ -326,15 +379,17 @@ impl Judge {
                     self.note(Cause::StrokeLimit, way, 0.02 * way);
                     continue;
                 }
-                // The bend of the phase is a part of the lateness; friction that pushes is none.
-                _ => continue,
+                _ => {}
+            }
+            let Some((cause, unit)) = k.meaning(ACTUATOR, column, theta) else {
+                continue;
             };
-            let (value, sd) = (theta * half * unit, answer.sd[column] * half * unit);
+            let (value, sd) = (theta * unit, answer.sd[column] * unit);
             let Some(twin) = cause.twin() else {
                 self.note(cause, value, sd);
                 continue;
             };
-            let [actuator, sensor] = self.sides(k, column, theta * half);
+            let [actuator, sensor] = self.sides(k, column, theta * k.half.actuator[column]);
             if actuator {
                 self.note(cause, value, sd);
             }
@@ -399,31 +454,13 @@ impl Judge {
             }
             return;
         }
-        let force = k.peak_m * k.stiffness;
         for column in best.set() {
-            let answer = &best.answer;
-            let (theta, sd) = (answer.theta[column], answer.sd[column]);
-            let (role, half) = match regression {
-                FORCE => (column, k.half.force[column]),
-                _ => (
-                    column + 1,
-                    k.half.unloading.get(column).copied().unwrap_or(0.0),
-                ),
-            };
-            let (cause, scale) = match role {
-                0 => (Cause::ForceOffset, force),
-                1 => {
-                    self.name_slope(k, regression, best, recent);
-                    continue;
-                }
-                2 if theta < 0.0 => (Cause::ForceLate, -1.0 / k.omega),
-                3 if theta > 0.0 => (Cause::Mass, k.stiffness / (k.omega * k.omega)),
-                4 if theta > 0.0 => (Cause::BearingFriction, force),
-                5 if theta > 0.0 => (Cause::Play, 2.0 * k.peak_m),
-                // Forces that push, and a stiffness that depends on the way: the specimen's own.
-                _ => continue,
-            };
-            self.note(cause, theta * half * scale, sd * half * scale.abs());
+            let (theta, sd) = (best.answer.theta[column], best.answer.sd[column]);
+            match k.meaning(regression, column, theta) {
+                Some((Cause::ForceGain, _)) => self.name_slope(k, regression, best, recent),
+                Some((cause, unit)) => self.note(cause, theta * unit, sd * unit.abs()),
+                None => {}
+            }
         }
     }
 

@@ -50,7 +50,7 @@ pub use name::{Cause, Set, Side};
 pub use orders::{Alarm, AxisOrders, Orders};
 pub(crate) use post::Post;
 pub use state::{Finding, State};
-pub use tap::{Block, steps_in_block};
+pub use tap::{Block, Tap, steps_in_block};
 pub use verdict::Verdict;
 
 use crate::refusal::Refusal;
@@ -217,6 +217,12 @@ impl Watch {
     pub fn findings(&self) -> impl Iterator<Item = &Finding> {
         let set = self.judge.published;
         self.judge.findings.iter().filter(move |f| set.has(f.cause))
+    }
+
+    /// The least of `cause` that would be named at best if it acted now, in the unit of the cause; `None` where the motion so far
+    /// tells nothing of it.
+    pub fn least(&self, cause: Cause) -> Option<f32> {
+        self.judge.least(&self.constants.judge, cause)
     }
 
     /// How much of `cause` is corrected for, in the unit of the cause.

@@ -103,13 +103,21 @@ impl<const N: usize> Post<N> {
             self.flags |= flag::WATCH_LATE;
             return false;
         }
-        let before = self.in_force;
-        if self.full as usize >= LATENCY {
+        let answered = self.full as usize >= LATENCY;
+        self.full = self.full.wrapping_add(1);
+        let changed = answered && self.orders[at] != self.in_force;
+        if changed {
             self.in_force = self.orders[at];
             self.flags = self.in_force.flags();
         }
-        self.full = self.full.wrapping_add(1);
-        self.in_force != before
+        changed
+    }
+
+    /// True in a step so many behind the one that filled a block, and in later ones: what is done apart does not add up in one
+    /// step. Blocks of one step or two leave no room for that.
+    #[inline]
+    pub(crate) fn is_past(&self, steps: u16) -> bool {
+        self.taps[0].is_past(steps)
     }
 
     /// The oldest block that nobody has taken yet, of each actuator, with its number in the test.

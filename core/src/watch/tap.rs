@@ -34,7 +34,7 @@ impl Block {
 
 /// Collects control steps.
 #[derive(Clone, Debug)]
-pub(super) struct Tap {
+pub struct Tap {
     sums: [f32; 3],
     last: [u32; 2],
     same: [u16; 2],
@@ -45,7 +45,7 @@ pub(super) struct Tap {
 
 impl Tap {
     /// In blocks of so many control steps.
-    pub(super) fn of(steps: u16) -> Self {
+    pub fn of(steps: u16) -> Self {
         Self {
             sums: [0.0; 3],
             last: [0; 2],
@@ -57,13 +57,13 @@ impl Tap {
     }
 
     /// As new.
-    pub(super) fn rest(&mut self) {
+    pub fn rest(&mut self) {
         *self = Self::of(self.steps);
     }
 
     /// Takes a control step in; true if a block is full.
     #[inline]
-    pub(super) fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
+    pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
         self.sums[0] += command_m;
         self.sums[1] += displacement_m;
         self.sums[2] += force_n;
@@ -80,8 +80,14 @@ impl Tap {
         self.left == 0
     }
 
+    /// True so many steps after a block was full, and later; always where a block has no more than two.
+    #[inline]
+    pub fn is_past(&self, steps: u16) -> bool {
+        self.steps <= 2 || self.steps - self.left >= steps
+    }
+
     /// The full block; the next one begins.
-    pub(super) fn close(&mut self) -> Block {
+    pub fn close(&mut self) -> Block {
         let [command, displacement, force] = self.sums;
         self.sums = [0.0; 3];
         self.left = self.steps;

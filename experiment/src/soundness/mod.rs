@@ -24,6 +24,7 @@ use crate::stability::structure_modes::StructureModes;
 use crate::stability::variation::Variation;
 use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, against_limit};
 use crate::trace::Response;
+use crate::watch::WatchReport;
 use outerloop_core::config::Amb;
 use outerloop_core::{Config, Force, Method, Prediction};
 use plant::actuator::ActuatorKind;
@@ -77,6 +78,8 @@ pub struct Judgement {
     pub expected_eps_rms: f64,
     /// The larger of those on the two rigs that differ from it.
     pub expected_eps_rms_differing: f64,
+    /// What the rig watch says of the planned motion on the rig as it is, and what it would name; none where it is off.
+    pub watch: Option<WatchReport>,
 }
 
 /// What small motions of a loop do, as far as a verdict needs it.
@@ -195,6 +198,7 @@ pub fn judge(
         reason,
         expected_eps_rms: runs.own.error(),
         expected_eps_rms_differing: runs.later.error().max(runs.sooner.error()),
+        watch: runs.own.watch,
     })
 }
 

@@ -104,6 +104,12 @@ impl AnyLoop {
         each_loop!(self, outer => outer.watch(corrects));
     }
 
+    /// True in a step so many behind the one that filled a block of the rig watch, and in later ones.
+    #[inline]
+    pub fn is_past_block(&self, steps: u16) -> bool {
+        each_loop!(self, outer => outer.is_past_block(steps))
+    }
+
     /// The next block for the rig watch.
     #[inline]
     pub fn next_blocks(&mut self) -> Option<Blocks> {

@@ -318,14 +318,19 @@ impl<const A: usize> Station<A> {
         next_m
     }
 
-    /// A block of steps goes to the rig watch, at most one a step is full; what it asks for comes back.
+    /// A block of steps goes to the rig watch in the step after it was full, and what the watch asks for comes back in those after that.
     fn pass_to_watch(&mut self) {
-        if let Some(blocks) = self.setup.outer.next_blocks() {
+        let outer = &mut self.setup.outer;
+        if outer.is_past_block(1)
+            && let Some(blocks) = outer.next_blocks()
+        {
             // One that finds no room is not answered: that ends the watch, and the records say so.
             let _ = self.blocks.enqueue(blocks);
         }
-        if let Some(answered) = self.answers.dequeue() {
-            self.setup.outer.order(&answered);
+        if outer.is_past_block(2)
+            && let Some(answered) = self.answers.dequeue()
+        {
+            outer.order(&answered);
         }
     }
 

@@ -3,10 +3,12 @@
 use clap::{Parser, Subcommand};
 use comfy_table::{Table, presets};
 use experiment::failure::Failure;
+use experiment::files::output;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
-use host_tests::surveys::{monitor, verdicts};
+use host_tests::surveys::{monitor, verdicts, watch, watched_records};
 use indicatif::ProgressBar;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Validate `check` and the interlocks over many drawn tests
@@ -30,6 +32,20 @@ enum Survey {
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
         rigs: u64,
     },
+    /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets
+    Watch {
+        /// How many sound tests
+        #[arg(default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+        sound: u64,
+        /// How many in which something goes wrong
+        #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
+        faulty: u64,
+        /// Write test file and ground motion of the test of the seed into this folder instead, for `outerloop run`
+        #[arg(long, value_name = "DIR")]
+        write: Option<PathBuf>,
+    },
+    /// What the rig watch says of records of actuators that other people made, beside the diagnosis of the same records
+    Records,
     /// Try the interlocks on this many sound tests, and on a quarter as many in which something breaks
     Monitor {
         /// How many sound tests
@@ -47,11 +63,26 @@ struct Answer<'a, P, R, C> {
     cases: &'a [C],
 }
 
+/// The survey of the rig watch as JSON.
+#[derive(Serialize)]
+struct WatchAnswer<'a> {
+    seed: u64,
+    targets: &'a [watch::Target],
+    sound: &'a [watch::SoundTrial],
+    faulty: &'a [watch::FaultTrial],
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let held = match arguments.survey {
         Survey::Verdicts { rigs } => survey(rigs as usize, &arguments),
         Survey::Monitor { tests } => monitor(tests as usize, &arguments),
+        Survey::Watch {
+            write: Some(ref folder),
+            ..
+        } => write_test(folder, arguments.seed),
+        Survey::Watch { sound, faulty, .. } => rig_watch([sound, faulty], &arguments),
+        Survey::Records => records(&arguments),
     };
     match held {
         Ok(true) => ExitCode::SUCCESS,
@@ -133,6 +164,81 @@ fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
     );
     println!("{}", promise.sentence());
     Ok(promise.sound_stopped == 0)
+}
+
+/// The rig watch over many tests; true where every target is reached.
+fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, Failure> {
+    let progress = ProgressBar::new(sound + faulty);
+    let sound = watch::sound(sound, arguments.seed, || progress.inc(1))?;
+    let faulty = watch::faulty(faulty, arguments.seed, || progress.inc(1))?;
+    progress.finish_and_clear();
+    let targets = watch::targets(&sound, &faulty);
+    let reached = targets.iter().all(|t| t.missed.is_empty());
+    if arguments.json {
+        print_json(&WatchAnswer {
+            seed: arguments.seed,
+            targets: &targets,
+            sound: &sound,
+            faulty: &faulty,
+        });
+        return Ok(reached);
+    }
+    let mut t = table(["target", "aim", "found", "missed by"]);
+    for r in &targets {
+        t.add_row([r.target, r.aim, &r.found, &r.missed]);
+    }
+    println!("{t}\n");
+    let mut t = table([
+        "effect from mid-test",
+        "tests",
+        "named",
+        "first right",
+        "settled right",
+        "one name",
+        "eps % without",
+        "with",
+        "corrected",
+    ]);
+    for row in watch::by_effect(&faulty) {
+        t.add_row(row);
+    }
+    println!("{t}\n\nfalse names:");
+    for (seed, trial) in (arguments.seed..).zip(&sound).filter(|(_, t)| t.counts) {
+        if let Some(named) = &trial.named {
+            println!("  seed {seed}, {}: {named}", trial.kind);
+        }
+    }
+    Ok(reached)
+}
+
+/// Test file and ground motion of a seed.
+fn write_test(folder: &Path, seed: u64) -> Result<bool, Failure> {
+    let (text, shaking) = watch::drawn(seed, watch::is_faulty(seed));
+    let points = shaking.acc_m_per_s2.iter().enumerate();
+    let motion: String = points
+        .map(|(i, a)| format!("{:.5},{a}\n", i as f64 * shaking.interval_s))
+        .collect();
+    let motion = format!("time_s,acc_m_per_s2\n{motion}");
+    output::write_all(folder, &[("test.toml", text), ("motion.csv", motion)])?;
+    Ok(true)
+}
+
+/// The rig watch over records from outside; true where at most one name is false.
+fn records(arguments: &Arguments) -> Result<bool, Failure> {
+    let rows = watched_records::all()?;
+    let wrong = rows.iter().filter(|r| r.is_false).count();
+    if arguments.json {
+        print_json(&rows);
+        return Ok(wrong <= 1);
+    }
+    let mut t = table(["record", "what is known", "the watch", "the diagnosis", "agree", "false"]);
+    for r in &rows {
+        let yes = |b: bool| if b { "yes" } else { "no" };
+        let agree = r.agrees.map_or("-", yes);
+        t.add_row([&r.id, &r.known, &r.watch, &r.diagnosis, agree, yes(r.is_false)]);
+    }
+    println!("{t}\n{wrong} false names in {} records (aim: at most 1).", rows.len());
+    Ok(wrong <= 1)
 }
 
 /// The verdicts over many rigs; true where no test was called stable and ran away.

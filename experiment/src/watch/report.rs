@@ -1,0 +1,233 @@
+//! What the watch had to say of a test, as data and in words.
+
+use crate::numbers::three;
+use serde::Serialize;
+
+/// A cause that was named. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedCause {
+    /// The effect's name in the catalogue.
+    pub name: &'static str,
+    /// Where it is: `actuator`, `displacement`, `force` (the sensors) or `specimen`.
+    pub side: &'static str,
+    /// Of which actuator, from 1, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<usize>,
+    /// How much, in `unit`: what is more than declared.
+    pub value: f64,
+    /// Its unit; empty for a share.
+    pub unit: &'static str,
+    /// Interval of 90 %.
+    pub ci90: [f64; 2],
+    /// How much of it the loop corrects for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corrected: Option<f64>,
+}
+
+/// A change of state or set. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WatchEvent {
+    /// When, s of the model from the first control step of the running test.
+    pub t_s: f64,
+    /// The state from then on.
+    pub state: &'static str,
+    /// The causes that the motion does not tell apart.
+    pub set: Vec<NamedCause>,
+    /// True if the loop corrects for one of them.
+    pub corrected: bool,
+    /// True if what the adaptive compensation has learnt is held at what was declared.
+    pub held: bool,
+}
+
+/// A correction as it was changed: 50 ms or more after the last one. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CorrectionStep {
+    /// When it was asked for, s of the model from the first control step of the running test.
+    pub t_s: f64,
+    /// The effect's name in the catalogue.
+    pub name: &'static str,
+    /// Where it is.
+    pub side: &'static str,
+    /// Of which actuator, from 1, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<usize>,
+    /// How much is corrected for from then on, in `unit`.
+    pub corrected: f64,
+    /// Its unit; empty for a share.
+    pub unit: &'static str,
+}
+
+/// A cause that would be named in a test like this. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Watchable {
+    /// The effect's name in the catalogue.
+    pub name: &'static str,
+    /// Where it is.
+    pub side: &'static str,
+    /// Of which actuator, from 1, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<usize>,
+    /// The least of it that the motion would have named, where it told most, in `unit`.
+    pub least: f64,
+    /// Its unit; empty for a share.
+    pub unit: &'static str,
+}
+
+/// What the diagnosis of the record behind the first name says of the names. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Agreement {
+    /// True if it names one of the set; none where it cannot be asked.
+    pub agrees: Option<bool>,
+    /// Whether, and why not, in a sentence.
+    pub sentence: String,
+}
+
+/// What the watch had to say of a test. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WatchReport {
+    /// The state at the end.
+    pub state: &'static str,
+    /// Every change; the last holds what had settled at the end.
+    pub events: Vec<WatchEvent>,
+    /// Every correction, 20 a second while it moves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub corrections: Vec<CorrectionStep>,
+    /// Whether the diagnosis of the same record agrees, where it was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Agreement>,
+    /// What would have been named, and from which size on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub watchable: Vec<Watchable>,
+    /// What could not be watched, and why, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_watched: Vec<String>,
+}
+
+impl WatchReport {
+    /// What happened and when, in a sentence.
+    pub fn sentence(&self) -> String {
+        let first = self.events.iter().find(|e| !e.set.is_empty());
+        let (Some(first), Some(last)) = (first, self.events.last()) else {
+            let found = match self.state {
+                "sound" => "The watch named nothing.",
+                _ => "The watch had a doubt that got no name.",
+            };
+            return format!("{found} {}", self.not_watched.join(" "))
+                .trim_end()
+                .to_owned();
+        };
+        let names: Vec<String> = last.set.iter().map(NamedCause::in_words).collect();
+        let what = match &names[..] {
+            [one] => one.clone(),
+            several => format!("one of {}", several.join(", ")),
+        };
+        let stopped = if self.state == "trip" {
+            " The test cannot be trusted from there on."
+        } else {
+            ""
+        };
+        let held = self
+            .events
+            .iter()
+            .find(|e| e.held)
+            .map_or(String::new(), |e| {
+                format!(
+                    " From {:.2} s on the compensation was held at what was declared.",
+                    e.t_s
+                )
+            });
+        let agrees = self.diagnosis.as_ref();
+        let agrees = agrees.map_or(String::new(), |d| format!(" {}", d.sentence));
+        format!(
+            "The watch named, first at {:.2} s: {what}.{}{held}{stopped}{agrees}",
+            first.t_s,
+            self.corrected_in_words()
+        )
+    }
+
+    /// What could be named in a test like this, in sentences.
+    pub fn outlook(&self) -> String {
+        let can: Vec<String> = self.watchable.iter().map(Watchable::in_words).collect();
+        let mut said = match &can[..] {
+            [] => "In this motion the rig watch could name no error by its size.".to_owned(),
+            _ => format!(
+                "In this motion the rig watch could name {}; beside them sensors that stand, hum or become noisy, limits of stroke \
+                 and speed, and play.",
+                can.join(", ")
+            ),
+        };
+        for gap in &self.not_watched {
+            said += " ";
+            said += gap;
+        }
+        said
+    }
+
+    /// What was corrected for: from when, and by how much in the end.
+    fn corrected_in_words(&self) -> String {
+        let (Some(first), Some(last)) = (self.corrections.first(), self.corrections.last()) else {
+            return String::new();
+        };
+        format!(
+            " From {:.2} s on it was corrected for, in the end by {}.",
+            first.t_s,
+            with_unit(last.corrected, last.unit)
+        )
+    }
+}
+
+/// As `the load cell 2`.
+fn place(side: &str, actuator: Option<usize>) -> String {
+    let side = match side {
+        "displacement" => "the displacement transducer",
+        "force" => "the load cell",
+        "actuator" => "the actuator",
+        _ => "the specimen",
+    };
+    actuator.map_or(side.to_owned(), |n| format!("{side} {n}"))
+}
+
+/// As `6.1 ms`.
+fn with_unit(value: f64, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{}{space}{unit}", three(value))
+}
+
+impl Watchable {
+    /// As `delay_error of the actuator from 2.9 ms on`.
+    pub fn in_words(&self) -> String {
+        let least = with_unit(self.least, self.unit);
+        format!("{} of {} from {least} on", self.name, place(self.side, self.actuator))
+    }
+}
+
+impl WatchEvent {
+    /// As `named since 9.40 s: delay_error of the actuator (12.1 ms, 11.8 to 12.4); it is corrected for`.
+    pub fn in_words(&self) -> String {
+        let causes: Vec<String> = self.set.iter().map(NamedCause::in_words).collect();
+        let mut said = format!("{} since {:.2} s", self.state, self.t_s);
+        if !causes.is_empty() {
+            said += ": ";
+            said += &causes.join(", or ");
+        }
+        if self.corrected {
+            said += "; it is corrected for";
+        }
+        if self.held {
+            said += "; the compensation is held at what was declared";
+        }
+        said
+    }
+}
+
+impl NamedCause {
+    /// As `delay_error of the actuator (6.1 ms, 5.2 to 7.0)`.
+    pub fn in_words(&self) -> String {
+        let of = format!("{} of {}", self.name, place(self.side, self.actuator));
+        if self.value == 0.0 {
+            return of;
+        }
+        let [low, high] = self.ci90.map(three);
+        format!("{of} ({}, {low} to {high})", with_unit(self.value, self.unit))
+    }
+}

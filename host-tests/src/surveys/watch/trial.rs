@@ -1,0 +1,224 @@
+//! One test of the survey, and what is kept of it.
+
+use super::draw::Draw;
+use super::effect::{DrawnEffect, Kind, Name};
+use super::rig::DrawnRig;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::test::TestFile;
+use experiment::summary::{POOR_EPS_RMS, Summary, TestVerdict};
+use experiment::trace::Response;
+use experiment::watch::{WatchEvent, WatchReport};
+use outerloop_core::Method;
+use serde::Serialize;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// What the loop may correct for.
+const CORRECT: &str = "[watch]\ncorrect = ['lateness', 'gain', 'late_sensor']\n";
+const UNGUARDED: &str = "[watch]\nguard = false\n";
+/// The energy monitor where it is beside the watch: the default of `limits.energy_trip`.
+const ENERGY_TRIP: f64 = 3.0;
+/// Most that a test can be off, peaks: what ran away is off by this.
+const LOST: f64 = 1.0;
+
+/// A sound test.
+#[derive(Clone, Debug, Serialize)]
+pub struct SoundTrial {
+    /// What its rig is.
+    pub kind: String,
+    /// False where the compensation does not fit the rig: nothing of it is sound.
+    pub counts: bool,
+    /// It yields.
+    pub yields: bool,
+    /// Though it was declared elastic.
+    pub declared_elastic: bool,
+    /// A name, which is false: when and what.
+    pub named: Option<String>,
+    /// Its energy error passed the published threshold of 0.2.
+    pub energy: bool,
+    /// Error, peaks.
+    pub eps: f64,
+}
+
+/// A test in which something goes wrong in mid-test.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultTrial {
+    /// What its rig is.
+    pub rig: String,
+    /// What goes wrong; the first of two.
+    pub kind: Kind,
+    /// The second of two.
+    pub beside: Option<Kind>,
+    /// Of two actuators.
+    pub several: bool,
+    /// The specimen was declared elastic and is.
+    pub elastic: bool,
+    /// False where already the sound test is not.
+    pub counts: bool,
+    /// Error without the effect, with it, and corrected, peaks.
+    pub eps: [f64; 3],
+    /// Where asked for: under `ats` without the effect, with it and the guard, with it and without the guard.
+    pub adaptive: Option<[f64; 3]>,
+    /// The corrected test ended early, and the other did not.
+    pub unstable: bool,
+    /// What was named first, in words.
+    pub named: Option<String>,
+    /// The first set holds a right name; the last does; the last is nothing else.
+    pub right: [bool; 3],
+    /// From the beginning of the effect to the first right name, cycles of the structure.
+    pub cycles: Option<f64>,
+    /// The energy monitor had stopped the test, or would have.
+    pub energy: bool,
+}
+
+impl FaultTrial {
+    /// What the effect adds to the error, peaks.
+    pub fn added(&self) -> f64 {
+        self.eps[1] - self.eps[0]
+    }
+
+    /// A frozen sensor matters whatever it has added until the test is stopped.
+    pub fn adds(&self, more: f64) -> bool {
+        self.counts && (self.kind == Kind::Frozen || self.added() > more)
+    }
+}
+
+/// A drawn test with its planned motion.
+struct Planned {
+    rig: DrawnRig,
+    seed: u64,
+    ideal: Option<Response>,
+}
+
+impl Planned {
+    fn new(seed: u64) -> Self {
+        Self {
+            rig: DrawnRig::new(seed),
+            seed,
+            ideal: None,
+        }
+    }
+
+    fn run(&mut self, more: &str, method: Option<Method>) -> Result<Summary, Failure> {
+        let text = format!("{}{more}", self.rig.text);
+        let mut test = TestFile::parse(&text, "drawn", Path::new(""), &[])?;
+        if let Some(method) = method {
+            test.config.compensation.kind = method;
+        }
+        let method = test.config.compensation.kind;
+        let experiment = Experiment::new(test, &self.rig.shaking, None)?;
+        if self.ideal.is_none() {
+            self.ideal = Some(experiment.ideal()?);
+        }
+        let ideal = self.ideal.as_ref().ok_or_else(|| Failure::test("no motion"))?;
+        Ok(experiment.run(method, ideal, self.seed, false, ())?.summary)
+    }
+}
+
+fn eps(s: &Summary) -> f64 {
+    match s.verdict {
+        TestVerdict::Diverged => LOST,
+        TestVerdict::Completed | TestVerdict::Tripped | TestVerdict::Stopped => {
+            if s.eps_rms.is_nan() { LOST } else { s.eps_rms.min(LOST) }
+        }
+    }
+}
+
+fn in_words(event: &WatchEvent) -> String {
+    let names: Vec<String> = event.set.iter().map(|c| c.in_words()).collect();
+    format!("{:.2} s {}", event.t_s, names.join(" | "))
+}
+
+fn first(watch: Option<&WatchReport>) -> Option<&WatchEvent> {
+    watch?.events.iter().find(|e| !e.set.is_empty())
+}
+
+impl SoundTrial {
+    /// Of a seed.
+    ///
+    /// # Errors
+    /// A test that cannot run.
+    pub fn run(seed: u64) -> Result<Self, Failure> {
+        let mut planned = Planned::new(seed);
+        let s = planned.run("", None)?;
+        let rig = planned.rig;
+        Ok(Self {
+            counts: s.verdict == TestVerdict::Completed && s.eps_rms <= POOR_EPS_RMS
+                || s.trip == Some("watch"),
+            yields: rig.yields,
+            declared_elastic: rig.declared_elastic,
+            named: first(s.watch.as_ref()).map(in_words),
+            energy: s.energy_ratio > 0.2,
+            eps: eps(&s),
+            kind: rig.kind,
+        })
+    }
+}
+
+impl FaultTrial {
+    /// Of a seed. `two`: two effects at once; `adaptive`: the same also under `ats`, guarded and not.
+    ///
+    /// # Errors
+    /// A test that cannot run.
+    pub fn run(seed: u64, two: bool, adaptive: bool) -> Result<Self, Failure> {
+        let mut planned = Planned::new(seed);
+        let mut draw = Draw::new(seed ^ 0xf0);
+        let effect = DrawnEffect::new(&planned.rig, &mut draw);
+        let beside = two.then(|| DrawnEffect::new(&planned.rig, &mut draw));
+        let beside = beside.filter(|b| b.kind != effect.kind);
+        let text = match &beside {
+            None => effect.text.clone(),
+            Some(second) => format!("{}{}", effect.text, second.text),
+        };
+        let sound = planned.run("", None)?;
+        let faulty = planned.run(&text, None)?;
+        let corrected = match learns(&planned)? {
+            // It learns lateness and gain itself.
+            true => faulty.clone(),
+            false => planned.run(&format!("{text}{CORRECT}"), None)?,
+        };
+        let adaptive = adaptive.then(|| {
+            let mut run = |more: &str| planned.run(more, Some(Method::Ats)).map(|s| eps(&s));
+            Ok::<_, Failure>([run("")?, run(&text)?, run(&format!("{text}{UNGUARDED}"))?])
+        });
+        let adaptive = adaptive.transpose()?;
+        let rig = &planned.rig;
+        let right: Vec<Name> = std::iter::once(&effect)
+            .chain(&beside)
+            .flat_map(|e| e.right.iter().copied())
+            .collect();
+        let from_s = beside.iter().fold(effect.from_s, |t, b| t.min(b.from_s));
+        let holds = |e: &WatchEvent| e.set.iter().any(|c| right.contains(&(c.name, c.side)));
+        let watch = faulty.watch.as_ref();
+        let all = watch.map_or(&[][..], |w| &w.events);
+        let last = all.last().filter(|e| !e.set.is_empty());
+        Ok(Self {
+            rig: rig.kind.clone(),
+            kind: effect.kind,
+            beside: beside.map(|b| b.kind),
+            several: rig.storeys > 1,
+            elastic: !rig.yields,
+            counts: sound.verdict == TestVerdict::Completed && sound.eps_rms <= POOR_EPS_RMS,
+            eps: [&sound, &faulty, &corrected].map(eps),
+            adaptive,
+            unstable: eps(&corrected) >= LOST && eps(&faulty) < LOST,
+            named: first(watch).map(in_words),
+            right: [
+                first(watch).is_some_and(holds),
+                last.is_some_and(holds),
+                last.is_some_and(|e| holds(e) && e.set.len() == 1),
+            ],
+            cycles: all
+                .iter()
+                .find(|e| holds(e))
+                .map(|e| (e.t_s - from_s) * rig.omega / TAU),
+            energy: faulty.trip == Some("energy") || faulty.energy_ratio > ENERGY_TRIP,
+        })
+    }
+}
+
+fn learns(planned: &Planned) -> Result<bool, Failure> {
+    let test = TestFile::parse(&planned.rig.text, "drawn", Path::new(""), &[])?;
+    Ok(test.config.compensation.kind.predictor.learns())
+}

@@ -1,0 +1,99 @@
+//! The rig watch over records of real actuators that other people made, beside what is known of them.
+
+use crate::outside::{lot, watched};
+use experiment::failure::Failure;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::model;
+use experiment::watch::WatchReport;
+use serde::Serialize;
+use std::path::Path;
+
+/// A record.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Short name.
+    pub id: String,
+    /// What is known of it.
+    pub known: String,
+    /// What the watch said, in a sentence.
+    pub watch: String,
+    /// What the diagnosis said of the record behind the name.
+    pub diagnosis: String,
+    /// Whether it agrees, where it was asked.
+    pub agrees: Option<bool>,
+    /// The watch named something, and nothing of its first set is right.
+    pub is_false: bool,
+}
+
+/// Lateness under other names: a motion tells them apart only where it is fast.
+const LATE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "channel_skew"];
+
+/// A servo-hydraulic actuator and its declared model; nobody has published what it lacks.
+const MODEL: &str = "../examples/real/hydraulic-actuator.toml";
+const MEASURED: [&str; 2] = ["utfsm_chirp_0A.csv", "utfsm_bandlimited_15Hz0A.csv"];
+
+/// All records of an actuator; those whose files are missing are counted by the crate test-data.
+///
+/// # Errors
+/// A file that cannot be used.
+pub fn all() -> Result<Vec<Row>, Failure> {
+    let lots = ["outside", "outside2"].into_iter().filter_map(lot).flatten();
+    let mut rows = Vec::new();
+    for case in lots.filter(|case| case.channel == "actuator") {
+        let report = case.watched().map_err(Failure::input);
+        let right: Vec<&str> = [&case.names, &case.half, &case.set_must_hold_one_of]
+            .into_iter()
+            .flatten()
+            .map(String::as_str)
+            .collect();
+        let is_right = |name: &str| {
+            let late = LATE.contains(&name) && LATE.iter().any(|l| right.contains(l));
+            late || right.contains(&name)
+        };
+        rows.push(row(case.id.clone(), case.cause.clone(), &report, is_right));
+    }
+    let declared = model::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(MODEL))?;
+    for name in MEASURED {
+        let Some(file) = test_data::file(&format!("measured/{name}")) else {
+            continue;
+        };
+        let part: FilePart = file.display().to_string().parse().map_err(Failure::input)?;
+        let record = RecordFiles::default().longest(&part)?;
+        let report = watched(&declared, &record).map_err(Failure::input);
+        let known = "not published: a name is right where the diagnosis agrees".to_owned();
+        let agrees = report.as_ref().ok().and_then(|r| r.diagnosis.as_ref()?.agrees);
+        rows.push(row(name.into(), known, &report, |_| agrees == Some(true)));
+    }
+    Ok(rows)
+}
+
+fn row(
+    id: String,
+    known: String,
+    report: &Result<WatchReport, Failure>,
+    is_right: impl Fn(&str) -> bool,
+) -> Row {
+    let report = match report {
+        Ok(report) => report,
+        Err(why) => {
+            return Row {
+                id,
+                known,
+                watch: format!("not watched: {why}"),
+                diagnosis: String::new(),
+                agrees: None,
+                is_false: false,
+            };
+        }
+    };
+    let first = report.events.iter().find(|e| !e.set.is_empty());
+    let diagnosis = report.diagnosis.as_ref();
+    Row {
+        id,
+        known,
+        watch: first.map_or_else(|| report.sentence(), |e| e.in_words()),
+        diagnosis: diagnosis.map_or(String::new(), |d| d.sentence.clone()),
+        agrees: diagnosis.and_then(|d| d.agrees),
+        is_false: first.is_some_and(|e| !e.set.iter().any(|c| is_right(c.name))),
+    }
+}
