@@ -14,7 +14,7 @@ const MOVES: f32 = 0.02;
 /// Way there and back over which a force that never changed is no specimen's, peaks, and of what counts as standing.
 const THERE_AND_BACK: f32 = 0.05;
 const TIMES_STILL: f32 = 3.0;
-/// Equal words while what is measured moves by so much, peaks, and so many control steps.
+/// Equal words while what is measured moves, for so many control steps.
 const SAME_STEPS: u16 = 40;
 
 /// What stands still.
@@ -32,13 +32,46 @@ pub(super) struct Frozen {
     count: u8,
     /// Means in a row in which displacement and force stood while the rest moved.
     stood: [u8; 2],
-    /// The force from which on it has stood, and the least and largest displacement since.
+    /// The force from which on it has stood, and the displacement since.
     from: f32,
+    stands: Followed,
+    /// What each sensor should have followed since its word last changed, or since it is looked at.
+    since: [Option<Followed>; 2],
+}
+
+/// Where a motion has been, and how far it has come from either end.
+#[derive(Clone, Copy, Debug, Default)]
+struct Followed {
     span: [f32; 2],
-    /// The furthest that the displacement has come back from either of them.
     ways: [f32; 2],
-    /// The declared way when the words last changed.
-    since: [f32; 2],
+}
+
+impl Followed {
+    fn from(at: f32) -> Self {
+        Self {
+            span: [at; 2],
+            ways: [0.0; 2],
+        }
+    }
+
+    fn to(&mut self, at: f32) {
+        let [low, high] = self.span;
+        self.span = [smaller(low, at), larger(high, at)];
+        self.ways = [
+            larger(self.ways[0], at - low),
+            larger(self.ways[1], high - at),
+        ];
+    }
+
+    /// True if it went further than `way` in one direction.
+    fn went(&self, way: f32) -> bool {
+        self.ways.iter().any(|own| *own > way)
+    }
+
+    /// True if it went so far and came back as far. On a plateau of yielding a force stands only until the motion turns.
+    fn came_back(&self, way: f32) -> bool {
+        self.ways.iter().all(|own| *own > way)
+    }
 }
 
 impl Frozen {
@@ -52,16 +85,19 @@ impl Frozen {
     ) -> Option<Standing> {
         let [y, x, r] = raw;
         let follows = [y, x];
-        for j in 0..2 {
+        let [displacement, force] = core::array::from_fn(|j| {
+            let since = self.since[j].get_or_insert(Followed::from(follows[j]));
             if same[j] < 4 {
-                self.since[j] = follows[j];
+                *since = Followed::from(follows[j]);
             }
-        }
-        let moved = |j: usize| (follows[j] - self.since[j]).abs() > MOVES + 6.0 * sigma[0];
-        if same[0] > SAME_STEPS && moved(0) {
+            since.to(follows[j]);
+            *since
+        });
+        let moves = MOVES + 6.0 * sigma[0];
+        if same[0] > SAME_STEPS && displacement.went(moves) {
             return Some(Standing::Displacement);
         }
-        if same[1] > SAME_STEPS && moved(1) && r.abs() > 0.05 {
+        if same[1] > SAME_STEPS && force.came_back(moves) && r.abs() > 0.05 {
             return Some(Standing::Force);
         }
         for (sum, now) in self.sums.iter_mut().zip([y, x, r]) {
@@ -92,26 +128,20 @@ impl Frozen {
         }
         let [_, x, r] = means;
         if (r - self.from).abs() < still(1) && r.abs() > 0.05 {
-            let [low, high] = self.span;
-            self.span = [smaller(low, x), larger(high, x)];
-            self.ways = [
-                larger(self.ways[0], x - low),
-                larger(self.ways[1], high - x),
-            ];
+            self.stands.to(x);
             if dx.abs() > still(0) {
                 self.stood[1] = self.stood[1].saturating_add(1);
             }
         } else {
-            (self.stood[1], self.ways) = (0, [0.0; 2]);
-            (self.from, self.span) = (r, [x; 2]);
+            self.stood[1] = 0;
+            (self.from, self.stands) = (r, Followed::from(x));
         }
         let enough = |stood: u8| stood >= IN_A_ROW;
         let noise = larger(still(0), still(1));
-        let both_ways = |way: &f32| *way > larger(THERE_AND_BACK, TIMES_STILL * noise);
-        let both_ways = self.ways.iter().all(both_ways);
+        let both_ways = larger(THERE_AND_BACK, TIMES_STILL * noise);
         if enough(self.stood[0]) {
             Some(Standing::Displacement)
-        } else if enough(self.stood[1]) && both_ways {
+        } else if enough(self.stood[1]) && self.stands.came_back(both_ways) {
             Some(Standing::Force)
         } else {
             None

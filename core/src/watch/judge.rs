@@ -6,6 +6,7 @@ use super::name::{Cause, Set, Side};
 use super::regression::{ACTUATOR, Answer, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING, WINDOWS};
 use super::signals::Row;
 use super::state::{Finding, State};
+use crate::float::larger;
 use heapless::Vec;
 use libm::sqrtf;
 
@@ -26,8 +27,9 @@ const ROUNDS: u8 = 3;
 /// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
 const FALLS_BACK: f32 = 2.0;
 const NEW_LARGEST: f32 = 4.0;
-/// A secant below this share of the declared stiffness is one that has yielded, at a motion that tells, peaks.
-const SECANT: f32 = 0.9;
+/// A force that is so much below what the declared stiffness with its tolerance makes of a largest motion that tells, peaks, is
+/// one of a specimen that yields.
+const SHORT: f32 = 0.01;
 const WORTH_A_SECANT: f32 = 0.1;
 /// What makes a largest motion a new one.
 const LARGER: f32 = 1.02;
@@ -127,6 +129,10 @@ pub(super) struct Judge {
     doubt: Option<u32>,
     largest: f32,
     since_largest: u32,
+    /// The furthest that it went to either side, and by how much the force was below the declared one there: what a specimen that
+    /// has yielded may leave behind.
+    furthest: [f32; 2],
+    short: [f32; 2],
     limits: [f32; 2],
     speed: f32,
     /// A limit may explain what stands out between command and displacement.
@@ -151,6 +157,8 @@ impl Judge {
             doubt: None,
             largest: 0.0,
             since_largest: 0,
+            furthest: [0.0; 2],
+            short: [0.0; 2],
             limits: [0.0; 2],
             speed: 0.0,
             doubts_limit: false,
@@ -166,14 +174,20 @@ impl Judge {
     }
 
     /// Looks at how large the motion is.
-    pub(super) fn see(&mut self, row: &Row) {
+    pub(super) fn see(&mut self, k: &Constants, row: &Row) {
         self.speed = row.y[1].abs();
         self.limits = row.limits;
         let x = row.x[0].abs();
         if x > LARGER * self.largest {
             (self.largest, self.since_largest) = (x, 0);
-            // Its secant has fallen where it goes further than ever: it yields, whatever was declared.
-            self.elastic &= x < WORTH_A_SECANT || row.r.abs() > SECANT * x;
+            // Its force falls short where it goes further than ever: it yields, whatever was declared.
+            let least = (1.0 - 2.0 * k.half.force[1]) * x - SHORT;
+            self.elastic &= x < WORTH_A_SECANT || row.r.abs() > least;
+        }
+        let (side, sign) = if row.x[0] > 0.0 { (0, 1.0) } else { (1, -1.0) };
+        if x > self.furthest[side] {
+            self.furthest[side] = x;
+            self.short[side] = larger(x - sign * row.r, 0.0);
         }
     }
 
@@ -445,7 +459,8 @@ impl Judge {
         // What looks like an offset and like friction at once is a specimen that has yielded.
         let looks_like = |column: usize| best.set().any(|c| c == column);
         let yields = looks_like(0) && looks_like(4);
-        if regression == FORCE && (recent || yields) {
+        let yielded = || self.is_of_yielding(k, best);
+        if regression == FORCE && (recent || yields || yielded()) {
             // A specimen that has just gone further than ever, too: it may do what nobody declared.
             self.elastic = false;
             self.streaks[FORCE] = 0;
@@ -462,6 +477,20 @@ impl Judge {
                 None => {}
             }
         }
+    }
+
+    /// True if an offset or a friction is no larger than what a specimen leaves behind that has yielded by as much as its force
+    /// fell short at the largest motion: set to the side to which it has yielded, a loop as wide as both.
+    fn is_of_yielding(&self, k: &Constants, best: &Hypothesis) -> bool {
+        let [up, down] = self.short;
+        let left = match best.column {
+            0 if best.answer.theta[0] < 0.0 => up,
+            0 => down,
+            4 => 0.5 * (up + down),
+            _ => return false,
+        };
+        let half = k.half.force[best.column];
+        best.answer.theta[best.column].abs() * half < left + 2.0 * half
     }
 
     /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may

@@ -262,7 +262,7 @@ impl Watch {
         let changed = self.look_at_block(block);
         if let Some(row) = row {
             let k = &self.constants;
-            self.judge.see(&row);
+            self.judge.see(&k.judge, &row);
             let [actuator, specimen] = k.has;
             let unloading = specimen.then(|| self.unloading.add(&row)).flatten();
             let kinds = [actuator, specimen && self.judge.elastic];
@@ -278,9 +278,9 @@ impl Watch {
         let k = &self.constants;
         let [y, x, r] = self.signals.raw;
         let moves = self.judge.speed() > MOVES;
-        for (j, value) in [x, r].into_iter().enumerate() {
+        for (j, pair) in [[x, y], [r, x]].into_iter().enumerate() {
             let least = k.least_noise[j];
-            let heard = self.listeners[j].add(&k.noise, value, moves, least);
+            let heard = self.listeners[j].add(&k.noise, pair, moves, least);
             let sigma = self.listeners[j].sigma();
             match heard {
                 Some(Heard::Noise(times)) => self.judge.name_noise(&k.judge, j, times * sigma),

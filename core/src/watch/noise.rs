@@ -1,5 +1,6 @@
 //! How noisy a sensor is, and whether it has become noisier, or hums.
 
+use crate::float::larger;
 use libm::sqrtf;
 
 /// Variance of a fourth difference of white noise.
@@ -10,6 +11,8 @@ const LEARNED: u16 = 500;
 const BLOCKS: u8 = 100;
 const BEYOND: u8 = 30;
 const DEVIATIONS: f32 = 3.5;
+/// A burst is one where the sensor's fourth difference has this many times the square of what it follows.
+const SHAKES: f32 = 4.0;
 /// A hum stands out so much from its neighbours, and from the noise.
 const STANDS_OUT: f32 = 3.0;
 const OUT_OF_NOISE: f32 = 4.0;
@@ -47,10 +50,28 @@ impl Constants {
     }
 }
 
+/// The last samples of a signal.
+#[derive(Clone, Debug)]
+struct Past([f32; 4]);
+
+impl Past {
+    /// The fourth difference with a new sample.
+    fn fourth(&self, value: f32) -> f32 {
+        let [a, b, c, d] = self.0;
+        value - 4.0 * a + 6.0 * b - 4.0 * c + d
+    }
+
+    fn push(&mut self, value: f32) {
+        let [a, b, c, _] = self.0;
+        self.0 = [value, a, b, c];
+    }
+}
+
 /// Listens to one sensor.
 #[derive(Clone, Debug)]
 pub(super) struct Listener {
-    past: [f32; 5],
+    past: Past,
+    followed: Past,
     learned: u16,
     /// Mean square of a fourth difference.
     variance: f32,
@@ -66,7 +87,8 @@ pub(super) struct Listener {
 impl Listener {
     pub(super) const fn new() -> Self {
         Self {
-            past: [0.0; 5],
+            past: Past([0.0; 4]),
+            followed: Past([0.0; 4]),
             learned: 0,
             variance: 0.0,
             goertzel: [[0.0; 2]; 4],
@@ -88,18 +110,22 @@ impl Listener {
         self.learned >= LEARNED
     }
 
-    /// Takes a block in; `moves`: fast enough for the steps of a converter to be noise; `least`: noise that is declared.
+    /// Takes a block in of the sensor and of what it follows; `moves`: fast enough for the steps of a converter to be noise;
+    /// `least`: noise that is declared.
     pub(super) fn add(
         &mut self,
         k: &Constants,
-        value: f32,
+        [value, followed]: [f32; 2],
         moves: bool,
         least: f32,
     ) -> Option<Heard> {
-        let [a, b, c, d, _] = self.past;
-        self.past = [value, a, b, c, d];
-        let fourth = value - 4.0 * a + 6.0 * b - 4.0 * c + d;
+        let fourth = self.past.fourth(value);
+        let [a, b, ..] = self.past.0;
         let second = value - 2.0 * a + b;
+        self.past.push(value);
+        // A motion that shakes is no noise of the sensor that follows it.
+        let shakes = self.followed.fourth(followed);
+        self.followed.push(followed);
         let square = fourth * fourth;
         if !self.knows() {
             if moves {
@@ -109,7 +135,8 @@ impl Listener {
             self.variance = self.variance.max(FOURTH * least * least);
             return None;
         }
-        if square > DEVIATIONS * DEVIATIONS * self.variance {
+        let limit = larger(DEVIATIONS * DEVIATIONS * self.variance, SHAKES * shakes * shakes);
+        if square > limit {
             self.beyond += 1;
         }
         self.squares += square;
