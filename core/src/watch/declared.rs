@@ -138,10 +138,11 @@ impl Declared {
         let slope = self.stiffness_tolerance.max(LEAST_STIFFNESS);
         let v = 0.5 * (0.012 + 3e-4 * w);
         let to_f32 = |x: f64| x as f32;
+        // A friction is what the force jumps by at a turn, where filter and presliding round the corner of a specimen that yields.
         HalfTolerances {
             actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2].map(to_f32),
             force: [0.004, slope, v, 0.006, 0.004, 0.004, 0.15].map(to_f32),
-            unloading: [slope, v, 0.006, 0.003].map(to_f32),
+            unloading: [slope, v, 0.006, 0.005].map(to_f32),
         }
     }
 }

@@ -27,10 +27,13 @@ const ROUNDS: u8 = 3;
 /// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
 const FALLS_BACK: f32 = 2.0;
 const NEW_LARGEST: f32 = 4.0;
-/// A force that is so much below what the declared stiffness with its tolerance makes of a largest motion that tells, peaks, is
-/// one of a specimen that yields.
-const SHORT: f32 = 0.01;
+/// A secant below this share of the declared stiffness is one that has yielded, at a motion that tells, peaks.
+const SECANT: f32 = 0.9;
 const WORTH_A_SECANT: f32 = 0.1;
+/// Where a motion has turned, back by this share, a force has yielded that is so far below what the declared stiffness with its
+/// tolerance made of the largest, peaks.
+const TURNED: f32 = 0.98;
+const SHORT: f32 = 0.01;
 /// What makes a largest motion a new one.
 const LARGER: f32 = 1.02;
 /// Periods of samples from which the reference is one.
@@ -180,14 +183,17 @@ impl Judge {
         let x = row.x[0].abs();
         if x > LARGER * self.largest {
             (self.largest, self.since_largest) = (x, 0);
-            // Its force falls short where it goes further than ever: it yields, whatever was declared.
-            let least = (1.0 - 2.0 * k.half.force[1]) * x - SHORT;
-            self.elastic &= x < WORTH_A_SECANT || row.r.abs() > least;
+            // Its secant has fallen where it goes further than ever: it yields, whatever was declared.
+            self.elastic &= x < WORTH_A_SECANT || row.r.abs() > SECANT * x;
         }
         let (side, sign) = if row.x[0] > 0.0 { (0, 1.0) } else { (1, -1.0) };
         if x > self.furthest[side] {
             self.furthest[side] = x;
             self.short[side] = larger(x - sign * row.r, 0.0);
+        } else if x < TURNED * self.furthest[side] && self.furthest[side] > WORTH_A_SECANT {
+            // So it does where its force falls short at the turn. On the way there one that is read late is behind as well.
+            let most = 2.0 * k.half.force[1] * self.furthest[side] + SHORT;
+            self.elastic &= self.short[side] < most;
         }
     }
 
@@ -479,18 +485,22 @@ impl Judge {
         }
     }
 
-    /// True if an offset or a friction is no larger than what a specimen leaves behind that has yielded by as much as its force
-    /// fell short at the largest motion: set to the side to which it has yielded, a loop as wide as both.
+    /// True if an offset, a friction or a mass is among the causes and no larger than what a specimen leaves behind that has yielded
+    /// by as much as its force fell short at the largest motion: set to the side to which it has yielded, a loop as wide as both, a
+    /// force less by as much at the turns.
     fn is_of_yielding(&self, k: &Constants, best: &Hypothesis) -> bool {
         let [up, down] = self.short;
-        let left = match best.column {
-            0 if best.answer.theta[0] < 0.0 => up,
-            0 => down,
-            4 => 0.5 * (up + down),
-            _ => return false,
-        };
-        let half = k.half.force[best.column];
-        best.answer.theta[best.column].abs() * half < left + 2.0 * half
+        best.set().any(|column| {
+            let theta = best.answer.theta[column];
+            let left = match column {
+                0 if theta < 0.0 => up,
+                0 => down,
+                3 | 4 => 0.5 * (up + down),
+                _ => return false,
+            };
+            let half = k.half.force[column];
+            theta.abs() * half < left + 2.0 * half
+        })
     }
 
     /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
