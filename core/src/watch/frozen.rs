@@ -188,4 +188,19 @@ mod tests {
             assert_eq!(standing(sigma, 0.3, true), Some(Standing::Force), "{sigma}");
         }
     }
+
+    #[test]
+    fn a_word_that_stays_on_a_plateau_is_no_sensor_that_stands_until_the_motion_has_come_back() {
+        // On a coarse converter the force keeps its word while the displacement goes on; then it turns.
+        let standing = |turns: bool| {
+            let mut frozen = Frozen::default();
+            (0..80_u16).find_map(|i| {
+                let way = f32::from(if turns && i > 40 { 80 - i } else { i });
+                let x = -0.2 + 2e-3 * way;
+                frozen.add([x, x, 0.3], [1e-4; 2], [0, 4 * i])
+            })
+        };
+        assert_eq!(standing(false), None);
+        assert_eq!(standing(true), Some(Standing::Force));
+    }
 }

@@ -193,6 +193,11 @@ mod tests {
 
     /// What is heard of a motion with white noise of 1e-3 that changes after 3 s.
     fn listen(times: f32, hum: f32) -> Option<Heard> {
+        listen_beside(times, hum, 0.0)
+    }
+
+    /// The same where what the sensor follows shakes by so much as well.
+    fn listen_beside(times: f32, hum: f32, shakes: f32) -> Option<Heard> {
         let k = Constants::new(500.0);
         let mut listener = Listener::new();
         let mut seed = 1_u32;
@@ -215,7 +220,9 @@ mod tests {
                 } else {
                     0.0
                 };
-            heard = heard.or(listener.add(&k, value, true, 0.0));
+            let shaken = if late { shakes * libm::sinf(900.0 * t) } else { 0.0 };
+            let followed = libm::sinf(6.0 * t) + shaken;
+            heard = heard.or(listener.add(&k, [value + shaken, followed], true, 0.0));
             assert!(late || heard.is_none(), "{heard:?} at {t}");
         }
         assert!(
@@ -233,6 +240,8 @@ mod tests {
             panic!("no noise");
         };
         assert!((times / 6.0 - 1.0).abs() < 0.3, "{times}");
+        // The rig shakes, and the sensor shows it.
+        assert_eq!(listen_beside(1.0, 0.0, 0.02), None);
         let Some(Heard::Hum(amplitude)) = listen(1.0, 0.01) else {
             panic!("no hum");
         };

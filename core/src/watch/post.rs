@@ -213,4 +213,23 @@ mod tests {
         assert_eq!(steps.len(), 0);
         assert_eq!(flags & flag::WATCH_LATE, flag::WATCH_LATE);
     }
+
+    #[test]
+    fn what_is_done_apart_from_a_full_block_is_done_in_later_steps_where_there_are_any() {
+        // Of each step of a block: whether one step has passed since it was full, and two.
+        let past = |steps: u16| {
+            let mut post = Post::<1>::new(steps);
+            let mut seen = heapless::Vec::<[bool; 2], 8>::new();
+            for _ in 0..2 * steps {
+                post.add(&[0.0], &[0.0], &[0.0]);
+                let _ = seen.push([post.is_past(1), post.is_past(2)]);
+            }
+            seen
+        };
+        assert!(past(4).contains(&[false, false]), "the step that fills it");
+        assert!(past(4).contains(&[true, false]) && past(4).contains(&[true, true]));
+        for few in [1, 2] {
+            assert!(past(few).iter().all(|p| *p == [true, true]), "{few}");
+        }
+    }
 }

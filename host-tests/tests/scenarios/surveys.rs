@@ -8,7 +8,7 @@ use host_tests::compensations::condition::{Condition, yielding};
 use host_tests::compensations::{self, standing};
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::verdicts::ActualOutcome;
-use host_tests::surveys::{monitor, verdicts};
+use host_tests::surveys::{monitor, verdicts, watch, watched_records};
 
 #[test]
 fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
@@ -64,4 +64,30 @@ fn the_bench_of_compensations_ranks_its_contestants() {
     // Nobody is better than the best of a test.
     let best: usize = standings.iter().map(|s| s.best_in).sum();
     assert!(best >= conditions.len(), "{best}");
+}
+
+/// A glance at what `check-surveys watch` asks of thousands of tests.
+#[test]
+fn the_rig_watch_is_silent_in_sound_tests_and_names_what_goes_wrong() {
+    let sound = watch::sound(60, 7000, || ()).expect("tests that can run");
+    let counts = sound.iter().filter(|t| t.counts);
+    let named: Vec<_> = counts.clone().filter_map(|t| t.named.as_ref()).collect();
+    assert!(named.is_empty(), "{named:?}");
+    assert!(counts.count() > 50);
+    let faulty = watch::faulty(40, 7000, || ()).expect("tests that can run");
+    let late = |t: &&watch::FaultTrial| t.kind == watch::Kind::ActuatorLate && t.adds(0.05);
+    let late: Vec<_> = faulty.iter().filter(late).collect();
+    assert!(late.len() > 1);
+    assert!(late.iter().all(|t| t.right[0]), "{late:?}");
+    assert!(faulty.iter().all(|t| !t.unstable));
+    let targets = watch::targets(&sound, &faulty);
+    assert_eq!(targets[0].found, format!("0 of {}", sound.iter().filter(|t| t.counts).count()));
+    assert_eq!(watch::by_effect(&faulty).len(), watch::Kind::ALL.len());
+}
+
+#[test]
+fn the_rig_watch_gives_at_most_one_false_name_to_records_of_real_actuators() {
+    let rows = watched_records::all().expect("records that can be watched");
+    let wrong: Vec<_> = rows.iter().filter(|r| r.is_false).collect();
+    assert!(wrong.len() <= 1, "{wrong:#?}");
 }
