@@ -16,6 +16,11 @@ const SHAKES: f32 = 4.0;
 /// A hum stands out so much from its neighbours, and from the noise.
 const STANDS_OUT: f32 = 3.0;
 const OUT_OF_NOISE: f32 = 4.0;
+/// The mains are steady: so many judgements in a row, with amplitudes that differ by no more than this share.
+const STEADY: u8 = 4;
+const SWELLS: f32 = 0.3;
+/// Judgements in a row that make a noise.
+const NOISY: u8 = 2;
 /// Frequencies that are listened to, Hz: the mains between their neighbours.
 const LISTENED_HZ: [f64; 4] = [40.0, 50.0, 60.0, 70.0];
 
@@ -80,8 +85,9 @@ pub(super) struct Listener {
     blocks: u8,
     beyond: u8,
     squares: f32,
-    /// Judgements in a row that heard noise, or a hum.
+    /// Judgements in a row that heard noise, or a steady hum, and its last amplitude.
     heard: [u8; 2],
+    amplitude: f32,
 }
 
 impl Listener {
@@ -97,6 +103,7 @@ impl Listener {
             beyond: 0,
             squares: 0.0,
             heard: [0; 2],
+            amplitude: 0.0,
         }
     }
 
@@ -174,12 +181,15 @@ impl Listener {
         let hums = hum > STANDS_OUT * neighbours && hum > OUT_OF_NOISE * of_noise;
         (self.goertzel, self.phase) = ([[0.0; 2]; 4], [1.0, 0.0]);
         (self.blocks, self.beyond, self.squares) = (0, 0, 0.0);
-        for (heard, now) in self.heard.iter_mut().zip([noisy, hums]) {
-            *heard = if now { heard.saturating_add(1) } else { 0 };
-        }
-        if self.heard[1] >= 2 {
+        // What swells is a harmonic of the motion.
+        let before = core::mem::replace(&mut self.amplitude, hum);
+        let steady = hums && (hum - before).abs() < SWELLS * hum;
+        let [noise, mains] = &mut self.heard;
+        *noise = if noisy { noise.saturating_add(1) } else { 0 };
+        *mains = if steady { mains.saturating_add(1) } else { u8::from(hums) };
+        if *mains >= STEADY {
             Some(Heard::Hum(hum))
-        } else if self.heard[0] >= 2 {
+        } else if *noise >= NOISY {
             Some(Heard::Noise(loud))
         } else {
             None
