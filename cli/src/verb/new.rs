@@ -269,15 +269,7 @@ impl RigInWords {
         } else {
             ("delay", String::new())
         };
-        // Of several floors the force of one depends on its neighbours.
-        let specimen = match self.storeys {
-            1 => format!(
-                "[declared.specimen]\nstiffness_n_per_mm = {{ value = {0}, tolerance = {1} }}\n\n",
-                1e-3 * self.stiffness_n_per_m,
-                three(0.05e-3 * self.stiffness_n_per_m)
-            ),
-            _ => String::new(),
-        };
+        let watched = self.watched();
         let record = if self.record.is_empty() {
             "# record = \"KOBE.AT2\"   # a file beside this one; left out: the built-in near-fault record\n".to_owned()
         } else {
@@ -310,18 +302,7 @@ impl RigInWords {
              {record}\
              peak_response_mm = {:<7}# the motion is scaled until the linear structure moves so far\n\
              \n\
-             [declared.actuator]       # what the rig watch compares the running test with; `outerloop identify RECORD` finds it\n\
-             gain = {{ value = 1, tolerance = 0.01 }}\n\
-             delay_ms = {{ value = {}, tolerance = {} }}\n\
-             lag_ms = {{ value = {}, tolerance = {} }}\n\
-             \n\
-             {specimen}\
-             [watch]                   # docs: rig-watch; what departs from [declared] is named while the test runs\n\
-             on = true                 # a sensor that stands stops the test\n\
-             guard = true              # a compensation that learns is held while the displacement transducer may be wrong\n\
-             correct = []              # or \"lateness\", \"gain\", \"late_sensor\": what the loop corrects for once it is named\n\
-             # trip_eps = 0.1          # stop where what is named will bring the error beyond it, of the peak\n\
-             \n\
+             {watched}\
              [plant.actuator]          # the simulated rig; `outerloop identify RECORD --write FILE` fills this in\n\
              kind = \"{kind}\"\n\
              delay_ms = {:<15}# transport delay\n\
@@ -342,10 +323,37 @@ impl RigInWords {
             self.force_kn * 1e3,
             self.peak_mm(),
             self.delay_ms,
+        )
+    }
+
+    /// What the rig watch compares the running test with, and what it may do.
+    fn watched(&self) -> String {
+        // Of several floors the force of one depends on its neighbours.
+        let specimen = match self.storeys {
+            1 => format!(
+                "[declared.specimen]\nstiffness_n_per_mm = {{ value = {}, tolerance = {} }}\n\n",
+                1e-3 * self.stiffness_n_per_m,
+                three(0.05e-3 * self.stiffness_n_per_m)
+            ),
+            _ => String::new(),
+        };
+        format!(
+            "[declared.actuator]       # what the rig watch compares the running test with; `outerloop identify RECORD` finds it\n\
+             gain = {{ value = 1, tolerance = 0.01 }}\n\
+             delay_ms = {{ value = {}, tolerance = {} }}\n\
+             lag_ms = {{ value = {}, tolerance = {} }}\n\
+             \n\
+             {specimen}\
+             [watch]                   # what departs from [declared] is named while the test runs\n\
+             on = true                 # a sensor that stands stops the test\n\
+             guard = true              # a compensation that learns is held while the displacement transducer may be wrong\n\
+             correct = []              # or \"lateness\", \"gain\", \"late_sensor\": what the loop corrects for once it is named\n\
+             # trip_eps = 0.1          # stop where what is named will bring the error beyond it, of the peak\n\
+             \n",
+            self.delay_ms,
             three(0.1 * self.delay_ms + 0.2),
             self.lag_ms,
             three(0.1 * self.lag_ms),
-            self.delay_ms,
         )
     }
 

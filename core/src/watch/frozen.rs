@@ -35,8 +35,9 @@ pub(super) struct Frozen {
     /// The force from which on it has stood, and the displacement since.
     from: f32,
     stands: Followed,
-    /// What each sensor should have followed since its word last changed, or since it is looked at.
-    since: [Option<Followed>; 2],
+    /// What each sensor should have followed since its word last changed, or since it is looked at, and the force since the
+    /// displacement's has.
+    since: [Option<Followed>; 3],
 }
 
 /// Where a motion has been, and how far it has come from either end.
@@ -84,17 +85,20 @@ impl Frozen {
         same: [u16; 2],
     ) -> Option<Standing> {
         let [y, x, r] = raw;
-        let follows = [y, x];
-        let [displacement, force] = core::array::from_fn(|j| {
+        let follows = [y, x, r];
+        let changed = [same[0] < 4, same[1] < 4, same[0] < 4];
+        let [displacement, force, beside] = core::array::from_fn(|j| {
             let since = self.since[j].get_or_insert(Followed::from(follows[j]));
-            if same[j] < 4 {
+            if changed[j] {
                 *since = Followed::from(follows[j]);
             }
             since.to(follows[j]);
             *since
         });
         let moves = MOVES + 6.0 * sigma[0];
-        if same[0] > SAME_STEPS && displacement.went(moves) {
+        // A ram that rests, behind its play or at the end of its stroke, rests with its force.
+        let goes_on = beside.went(MOVES + 6.0 * sigma[1]);
+        if same[0] > SAME_STEPS && displacement.went(moves) && goes_on {
             return Some(Standing::Displacement);
         }
         if same[1] > SAME_STEPS && force.came_back(moves) && r.abs() > 0.05 {

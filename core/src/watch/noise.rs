@@ -142,7 +142,10 @@ impl Listener {
             self.variance = self.variance.max(FOURTH * least * least);
             return None;
         }
-        let limit = larger(DEVIATIONS * DEVIATIONS * self.variance, SHAKES * shakes * shakes);
+        let limit = larger(
+            DEVIATIONS * DEVIATIONS * self.variance,
+            SHAKES * shakes * shakes,
+        );
         if square > limit {
             self.beyond += 1;
         }
@@ -186,7 +189,11 @@ impl Listener {
         let steady = hums && (hum - before).abs() < SWELLS * hum;
         let [noise, mains] = &mut self.heard;
         *noise = if noisy { noise.saturating_add(1) } else { 0 };
-        *mains = if steady { mains.saturating_add(1) } else { u8::from(hums) };
+        *mains = if steady {
+            mains.saturating_add(1)
+        } else {
+            u8::from(hums)
+        };
         if *mains >= STEADY {
             Some(Heard::Hum(hum))
         } else if *noise >= NOISY {
@@ -230,7 +237,11 @@ mod tests {
                 } else {
                     0.0
                 };
-            let shaken = if late { shakes * libm::sinf(900.0 * t) } else { 0.0 };
+            let shaken = if late {
+                shakes * libm::sinf(900.0 * t)
+            } else {
+                0.0
+            };
             let followed = libm::sinf(6.0 * t) + shaken;
             heard = heard.or(listener.add(&k, [value + shaken, followed], true, 0.0));
             assert!(late || heard.is_none(), "{heard:?} at {t}");

@@ -40,7 +40,9 @@ pub fn agreement(
     Some(match diagnosis::diagnose(model, &[train], &[test], &[]) {
         Err(why) => Agreement {
             agrees: None,
-            sentence: format!("The diagnosis of the record from {from_s:.1} s on is refused: {why}."),
+            sentence: format!(
+                "The diagnosis of the record from {from_s:.1} s on is refused: {why}."
+            ),
         },
         Ok(found) => judged(&found, set, from_s),
     })
@@ -84,7 +86,10 @@ fn names(c: &ChannelAnswer) -> Vec<&'static str> {
     let off = c.refitted.iter().filter(|r| r.tolerances().abs() > 2.0);
     let rows = c.channel.parameters();
     let off = off.filter_map(|r| rows.iter().find(|row| row.name == r.name));
-    effects.chain(rivals).chain(off.map(|row| row.error.name())).collect()
+    effects
+        .chain(rivals)
+        .chain(off.map(|row| row.error.name()))
+        .collect()
 }
 
 fn why_not(c: &ChannelAnswer) -> String {

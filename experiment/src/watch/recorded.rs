@@ -19,9 +19,11 @@ pub fn of_record(model: &Model, record: &Recording) -> Result<WatchReport, Failu
             "{name}: has no displacement: accepted is a record with one, and with a command or a force"
         )));
     };
-    // What a record does not have stands at rest and is not watched.
     let command_mm = record.command_mm.as_ref();
-    let force_n = record.force_n.as_ref().unwrap_or(&none);
+    // A force of which nothing is declared may be anything: a pressure, a torque, a share.
+    let declared_force = record.force_n.as_ref().filter(|_| model.specimen.is_some());
+    // What is not there stands at rest and is not watched.
+    let force_n = declared_force.unwrap_or(&none);
     let moves = command_mm.unwrap_or(displacement_mm);
     let rate_hz = 1.0 / record.interval_s();
     let scales = Scales {
@@ -36,7 +38,7 @@ pub fn of_record(model: &Model, record: &Recording) -> Result<WatchReport, Failu
     };
     let mut declared = of_model(model, &scales);
     declared.has_actuator &= command_mm.is_some();
-    declared.has_specimen &= record.force_n.is_some();
+    declared.has_specimen &= declared_force.is_some();
     let not_watched = gaps(&declared);
     let actions = Actions::default();
     let mut watch = TestWatch::over(Instructions { declared, actions }, not_watched)?;

@@ -197,7 +197,11 @@ impl Watchable {
     /// As `delay_error of the actuator from 2.9 ms on`.
     pub fn in_words(&self) -> String {
         let least = with_unit(self.least, self.unit);
-        format!("{} of {} from {least} on", self.name, place(self.side, self.actuator))
+        format!(
+            "{} of {} from {least} on",
+            self.name,
+            place(self.side, self.actuator)
+        )
     }
 }
 
@@ -228,6 +232,9 @@ impl NamedCause {
             return of;
         }
         let [low, high] = self.ci90.map(three);
-        format!("{of} ({}, {low} to {high})", with_unit(self.value, self.unit))
+        format!(
+            "{of} ({}, {low} to {high})",
+            with_unit(self.value, self.unit)
+        )
     }
 }

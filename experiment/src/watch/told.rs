@@ -55,12 +55,7 @@ pub(super) struct Scales {
 }
 
 /// What the watch of actuator `j` is told.
-pub(super) fn declared(
-    test: &TestFile,
-    j: usize,
-    peak_m: f64,
-    omega_rad_per_s: f64,
-) -> Declared {
+pub(super) fn declared(test: &TestFile, j: usize, peak_m: f64, omega_rad_per_s: f64) -> Declared {
     let config = &test.config;
     let stiffness = &config.structure.stiffness_n_per_m;
     // Nobody has declared a noise where no filter is told of one: it is learned.

@@ -231,13 +231,30 @@ fn records(arguments: &Arguments) -> Result<bool, Failure> {
         print_json(&rows);
         return Ok(wrong <= 1);
     }
-    let mut t = table(["record", "what is known", "the watch", "the diagnosis", "agree", "false"]);
+    let mut t = table([
+        "record",
+        "what is known",
+        "the watch",
+        "the diagnosis",
+        "agree",
+        "false",
+    ]);
     for r in &rows {
         let yes = |b: bool| if b { "yes" } else { "no" };
         let agree = r.agrees.map_or("-", yes);
-        t.add_row([&r.id, &r.known, &r.watch, &r.diagnosis, agree, yes(r.is_false)]);
+        t.add_row([
+            &r.id,
+            &r.known,
+            &r.watch,
+            &r.diagnosis,
+            agree,
+            yes(r.is_false),
+        ]);
     }
-    println!("{t}\n{wrong} false names in {} records (aim: at most 1).", rows.len());
+    println!(
+        "{t}\n{wrong} false names in {} records (aim: at most 1).",
+        rows.len()
+    );
     Ok(wrong <= 1)
 }
 

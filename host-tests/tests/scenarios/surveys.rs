@@ -81,7 +81,10 @@ fn the_rig_watch_is_silent_in_sound_tests_and_names_what_goes_wrong() {
     assert!(late.iter().all(|t| t.right[0]), "{late:?}");
     assert!(faulty.iter().all(|t| !t.unstable));
     let targets = watch::targets(&sound, &faulty);
-    assert_eq!(targets[0].found, format!("0 of {}", sound.iter().filter(|t| t.counts).count()));
+    assert_eq!(
+        targets[0].found,
+        format!("0 of {}", sound.iter().filter(|t| t.counts).count())
+    );
     assert_eq!(watch::by_effect(&faulty).len(), watch::Kind::ALL.len());
 }
 

@@ -48,7 +48,11 @@ pub fn drawn(seed: u64, faulty: bool) -> (String, GroundMotionFile) {
 ///
 /// # Errors
 /// A test that cannot run.
-pub fn sound(tests: u64, seed: u64, one_done: impl Fn() + Sync) -> Result<Vec<SoundTrial>, Failure> {
+pub fn sound(
+    tests: u64,
+    seed: u64,
+    one_done: impl Fn() + Sync,
+) -> Result<Vec<SoundTrial>, Failure> {
     (0..tests)
         .into_par_iter()
         .map(|i| {
@@ -63,7 +67,11 @@ pub fn sound(tests: u64, seed: u64, one_done: impl Fn() + Sync) -> Result<Vec<So
 ///
 /// # Errors
 /// A test that cannot run.
-pub fn faulty(tests: u64, seed: u64, one_done: impl Fn() + Sync) -> Result<Vec<FaultTrial>, Failure> {
+pub fn faulty(
+    tests: u64,
+    seed: u64,
+    one_done: impl Fn() + Sync,
+) -> Result<Vec<FaultTrial>, Failure> {
     (0..tests)
         .into_par_iter()
         .map(|i| {

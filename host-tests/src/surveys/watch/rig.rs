@@ -141,40 +141,44 @@ fn actuator(draw: &mut Draw, s: &Scales) -> (DrawnActuator, f64) {
     let tolerance = 0.08 * late_ms + 0.2;
     let true_ms = late_ms + draw.off(tolerance);
     let share = draw.between(0.2, 0.8);
-    let (name, plant, late_ms) =
-        match draw.of(&["lag_delay", "lag_delay", "second_order", "servo_hydraulic"]) {
-            "lag_delay" => (
-                "lag_delay",
-                format!(
-                    "kind = 'lag_delay'\ndelay_ms = {}\nlag_ms = {}\n",
-                    true_ms * share,
-                    true_ms * (1.0 - share)
-                ),
-                late_ms,
+    let (name, plant, late_ms) = match draw.of(&[
+        "lag_delay",
+        "lag_delay",
+        "second_order",
+        "servo_hydraulic",
+    ]) {
+        "lag_delay" => (
+            "lag_delay",
+            format!(
+                "kind = 'lag_delay'\ndelay_ms = {}\nlag_ms = {}\n",
+                true_ms * share,
+                true_ms * (1.0 - share)
             ),
-            "second_order" => (
-                "second_order",
-                format!(
-                    "kind = 'second_order'\ndelay_ms = {true_ms}\nzeta = {}\n",
-                    draw.between(0.6, 1.0)
-                ),
-                late_ms,
+            late_ms,
+        ),
+        "second_order" => (
+            "second_order",
+            format!(
+                "kind = 'second_order'\ndelay_ms = {true_ms}\nzeta = {}\n",
+                draw.between(0.6, 1.0)
             ),
-            // Faster than this its control loop is unstable. An oil column 20 times as stiff as the specimen: its friction is
-            // then no load.
-            _ => (
-                "servo_hydraulic",
-                format!(
-                    "kind = 'servo_hydraulic'\ndelay_ms = {}\n[plant.actuator.servo]\nforce_limit_n = {}\n\
+            late_ms,
+        ),
+        // Faster than this its control loop is unstable. An oil column 20 times as stiff as the specimen: its friction is
+        // then no load.
+        _ => (
+            "servo_hydraulic",
+            format!(
+                "kind = 'servo_hydraulic'\ndelay_ms = {}\n[plant.actuator.servo]\nforce_limit_n = {}\n\
                      velocity_limit_mm_per_s = {}\npiston_mass_kg = {}\noil_column_hz = 300\noil_column_zeta = 0.05\nvalve_hz = 300\n",
-                    true_ms.max(8.0),
-                    6.0 * s.force_n,
-                    4.0 * s.peak_mm * s.omega,
-                    (20.0 * s.stiffness / (TAU * 300.0 * TAU * 300.0)).max(0.1)
-                ),
-                late_ms.max(8.0 - 0.5 * tolerance),
+                true_ms.max(8.0),
+                6.0 * s.force_n,
+                4.0 * s.peak_mm * s.omega,
+                (20.0 * s.stiffness / (TAU * 300.0 * TAU * 300.0)).max(0.1)
             ),
-        };
+            late_ms.max(8.0 - 0.5 * tolerance),
+        ),
+    };
     let declared = format!(
         "[declared.actuator]\ngain = {{ value = 1, tolerance = {GAIN} }}\n\
          delay_ms = {{ value = {}, tolerance = {tolerance} }}\nlag_ms = {{ value = {}, tolerance = 0 }}\n",

@@ -125,7 +125,10 @@ fn names(one: &[&FaultTrial]) -> Vec<Target> {
     cycles.sort_by(f64::total_cmp);
     let at = |share: f64| {
         let i = (share * cycles.len() as f64) as usize;
-        cycles.get(i.min(cycles.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+        cycles
+            .get(i.min(cycles.len().saturating_sub(1)))
+            .copied()
+            .unwrap_or(f64::NAN)
     };
     let (median, late) = (at(0.5), at(0.9));
     let slow = |found: f64, aim: f64| (found - aim).max(0.0);
@@ -142,8 +145,18 @@ fn names(one: &[&FaultTrial]) -> Vec<Target> {
             Share::among(&elastic, |t| t.named.is_some()),
             90.0,
         ),
-        share("first name or set right", "90 %", Share::among(&named, |t| t.right[0]), 90.0),
-        share("after it settled", "97 %", Share::among(&named, |t| t.right[1]), 97.0),
+        share(
+            "first name or set right",
+            "90 %",
+            Share::among(&named, |t| t.right[0]),
+            90.0,
+        ),
+        share(
+            "after it settled",
+            "97 %",
+            Share::among(&named, |t| t.right[1]),
+            97.0,
+        ),
         row(
             "first right name, cycles of the structure: median, 90 % of them",
             "1, 4",
@@ -155,13 +168,28 @@ fn names(one: &[&FaultTrial]) -> Vec<Target> {
         ),
     ];
     for (target, kinds) in [
-        ("settled to one name: late actuator", &[Kind::ActuatorLate][..]),
-        ("settled to one name: limits of stroke and rate", &[Kind::StrokeLimit, Kind::RateLimit]),
+        (
+            "settled to one name: late actuator",
+            &[Kind::ActuatorLate][..],
+        ),
+        (
+            "settled to one name: limits of stroke and rate",
+            &[Kind::StrokeLimit, Kind::RateLimit],
+        ),
         ("settled to one name: frozen sensor", &[Kind::Frozen]),
         ("settled to one name: play", &[Kind::Play]),
     ] {
-        let own: Vec<&FaultTrial> = named.iter().filter(|t| kinds.contains(&t.kind)).copied().collect();
-        rows.push(share(target, "90 %", Share::among(&own, |t| t.right[2]), 90.0));
+        let own: Vec<&FaultTrial> = named
+            .iter()
+            .filter(|t| kinds.contains(&t.kind))
+            .copied()
+            .collect();
+        rows.push(share(
+            target,
+            "90 %",
+            Share::among(&own, |t| t.right[2]),
+            90.0,
+        ));
     }
     rows
 }
@@ -174,7 +202,10 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
         100.0 * late.iter().map(|t| of(t)).sum::<f64>() / late.len().max(1) as f64
     };
     let halved = Share::among(&late, |t| t.eps[2] - t.eps[0] <= 0.5 * t.added());
-    let ats: Vec<f64> = late.iter().filter_map(|t| t.adaptive.map(|a| a[1])).collect();
+    let ats: Vec<f64> = late
+        .iter()
+        .filter_map(|t| t.adaptive.map(|a| a[1]))
+        .collect();
     let ats = 100.0 * ats.iter().sum::<f64>() / ats.len().max(1) as f64;
     vec![
         row(
@@ -210,7 +241,11 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
             Share::among(&counts, |t| t.unstable),
             0,
         ),
-        guarded("adaptive method worse by a lying transducer, guarded", &counts, 1),
+        guarded(
+            "adaptive method worse by a lying transducer, guarded",
+            &counts,
+            1,
+        ),
     ]
 }
 
@@ -224,7 +259,8 @@ fn guarded(target: &'static str, counts: &[&FaultTrial], which: usize) -> Target
         .collect();
     let worse = |t: &FaultTrial| {
         let adds = |a: [f64; 3]| a[which] - a[0];
-        t.adaptive.is_some_and(|a| adds(a) > t.added().max(0.0) + WORSE)
+        t.adaptive
+            .is_some_and(|a| adds(a) > t.added().max(0.0) + WORSE)
     };
     let found = Share::among(&lies, worse);
     // At most 10 of 1068.
@@ -249,11 +285,18 @@ fn beside(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     };
     let (one, two) = (of(&|t| t.beside.is_none()), of(&|t| t.beside.is_some()));
     let several = of(&|t| t.several);
-    let bare: Vec<&FaultTrial> = faulty.iter().filter(|t| t.counts && t.beside.is_none()).collect();
+    let bare: Vec<&FaultTrial> = faulty
+        .iter()
+        .filter(|t| t.counts && t.beside.is_none())
+        .collect();
     let named = |t: &FaultTrial| t.named.is_some();
     let told = |own: &[&FaultTrial]| {
         let right = Share::among(own, |t| t.right[0]);
-        format!("{}; first set right {}", Share::among(own, named).in_words(), right.in_words())
+        format!(
+            "{}; first set right {}",
+            Share::among(own, named).in_words(),
+            right.in_words()
+        )
     };
     let plain = |target, found| row(target, "", found, String::new());
     vec![
@@ -277,9 +320,12 @@ pub fn by_effect(faulty: &[FaultTrial]) -> Vec<[String; 9]> {
     Kind::ALL
         .iter()
         .map(|&kind| {
-            let own = faulty.iter().filter(|t| t.kind == kind && t.beside.is_none());
+            let own = faulty
+                .iter()
+                .filter(|t| t.kind == kind && t.beside.is_none());
             let all: Vec<&FaultTrial> = own.collect();
-            let matter: Vec<&FaultTrial> = all.iter().filter(|t| t.adds(MATTERS)).copied().collect();
+            let matter: Vec<&FaultTrial> =
+                all.iter().filter(|t| t.adds(MATTERS)).copied().collect();
             let n = |has: &dyn Fn(&FaultTrial) -> bool| {
                 matter.iter().filter(|t| has(t)).count().to_string()
             };

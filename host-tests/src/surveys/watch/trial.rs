@@ -111,7 +111,10 @@ impl Planned {
         if self.ideal.is_none() {
             self.ideal = Some(experiment.ideal()?);
         }
-        let ideal = self.ideal.as_ref().ok_or_else(|| Failure::test("no motion"))?;
+        let ideal = self
+            .ideal
+            .as_ref()
+            .ok_or_else(|| Failure::test("no motion"))?;
         Ok(experiment.run(method, ideal, self.seed, false, ())?.summary)
     }
 }
@@ -120,7 +123,11 @@ fn eps(s: &Summary) -> f64 {
     match s.verdict {
         TestVerdict::Diverged => LOST,
         TestVerdict::Completed | TestVerdict::Tripped | TestVerdict::Stopped => {
-            if s.eps_rms.is_nan() { LOST } else { s.eps_rms.min(LOST) }
+            if s.eps_rms.is_nan() {
+                LOST
+            } else {
+                s.eps_rms.min(LOST)
+            }
         }
     }
 }
