@@ -10,7 +10,6 @@ use std::fmt::Write as _;
 pub(super) struct DrawnRig {
     /// The test file.
     pub(super) text: String,
-    pub(super) late_ms: f64,
     pub(super) peak_mm: f64,
     pub(super) omega: f64,
     pub(super) mass_kg: f64,
@@ -27,7 +26,6 @@ pub(super) struct DrawnRig {
 /// What the parts of a rig are measured in.
 struct Scales {
     omega: f64,
-    mass_kg: f64,
     stiffness: f64,
     peak_mm: f64,
     force_n: f64,
@@ -60,7 +58,6 @@ impl DrawnRig {
         let peak_mm = draw.ratio(5.0, 100.0);
         let scales = Scales {
             omega,
-            mass_kg,
             stiffness,
             peak_mm,
             force_n: stiffness * peak_mm * 1e-3,
@@ -106,7 +103,6 @@ impl DrawnRig {
         let shaking = shaking(&mut draw, hz, seconds);
         Self {
             text,
-            late_ms,
             peak_mm,
             omega,
             mass_kg,
