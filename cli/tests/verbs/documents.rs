@@ -276,3 +276,85 @@ fn is_test(name: &str) -> bool {
         tests.join(format!("{name}.rs")).exists() || tests.join(name).join("main.rs").exists()
     })
 }
+
+/// What a command for tests names: packages, files of tests, and the words by which tests are chosen.
+#[derive(Debug, Default)]
+struct Chosen {
+    packages: Vec<String>,
+    files: Vec<String>,
+    words: Vec<String>,
+}
+
+fn chosen(command: &str) -> Option<Chosen> {
+    let mut words = command.split_whitespace().map(str::to_owned);
+    if words.next()? != "cargo" || !["test", "tests"].contains(&&*words.next()?) {
+        return None;
+    }
+    let mut chosen = Chosen::default();
+    while let Some(word) = words.next() {
+        match &*word {
+            "-p" => chosen.packages.extend(words.next()),
+            "--test" => chosen.files.extend(words.next()),
+            "--features" | "--profile" | "--target" | "--test-threads" => drop(words.next()),
+            "|" => break,
+            option if option.starts_with('-') => {}
+            _ => chosen.words.push(word),
+        }
+    }
+    Some(chosen)
+}
+
+/// The functions below a folder or in a file of Rust, with their modules in front, `scenarios::stability::a_test`.
+fn functions(path: &Path, modules: &str, all: &mut Vec<String>) {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let modules = format!("{modules}{stem}::");
+    if let Ok(entries) = fs::read_dir(path) {
+        entries.for_each(|entry| functions(&entry.unwrap().path(), &modules, all));
+    } else if path.extension().is_some_and(|e| e == "rs") {
+        let text = fs::read_to_string(path).unwrap();
+        let lines = text
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("fn "));
+        all.extend(lines.map(|name| format!("{modules}{name}")));
+    }
+}
+
+#[test]
+fn every_command_for_tests_that_a_page_shows_chooses_some() {
+    let crates: Vec<PathBuf> = fs::read_dir(root())
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.join("Cargo.toml").exists())
+        .collect();
+    let mut seen = 0;
+    for path in pages() {
+        let page = fs::read_to_string(&path).unwrap();
+        let quoted = page.split('`').skip(1).step_by(2).map(str::to_owned);
+        for command in quoted.chain(commands(&page)) {
+            let Some(chosen) = chosen(&command) else {
+                continue;
+            };
+            let mut found = Vec::new();
+            for folder in &crates {
+                let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+                if !chosen.packages.is_empty() && !chosen.packages.contains(&name) {
+                    continue;
+                }
+                if chosen.files.is_empty() {
+                    ["src", "tests"].map(|part| functions(&folder.join(part), "", &mut found));
+                }
+                for file in &chosen.files {
+                    functions(&folder.join("tests").join(file), "", &mut found);
+                    functions(&folder.join(format!("tests/{file}.rs")), "", &mut found);
+                }
+            }
+            for word in &chosen.words {
+                let known = found.iter().any(|name| name.contains(word));
+                let at = path.display();
+                assert!(known, "{at}: `{command}`: no test is called {word}");
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
