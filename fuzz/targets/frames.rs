@@ -77,7 +77,7 @@ fn same_again<M: Message>(message: Option<M>) {
         let frame = decoder.push(*byte)?;
         M::decode(&frame)
     });
-    // By its bytes: a number that is none is not equal to itself.
+    // By its bytes: a NaN is not equal to itself.
     let again = again.and_then(|m| m.encode(1).ok());
     assert_eq!(again, Some(wire));
 }

@@ -16,7 +16,7 @@ const PAGE: &str = include_str!("page.html");
 /// Between two messages to a browser.
 const PERIOD: Duration = Duration::from_millis(20);
 /// How long a browser may take to send its request, or to read a message, before it is dropped.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 /// How long a look at the buttons takes where none was pressed.
 const GLANCE: Duration = Duration::from_millis(1);
 /// The longest request.
@@ -194,8 +194,8 @@ impl Shared {
     /// One connection: the page, or its WebSocket.
     fn answer(&self, stream: TcpStream) {
         let _ = stream.set_nodelay(true);
-        let _ = stream.set_write_timeout(Some(PATIENCE));
-        let _ = stream.set_read_timeout(Some(PATIENCE));
+        let _ = stream.set_write_timeout(Some(TIMEOUT));
+        let _ = stream.set_read_timeout(Some(TIMEOUT));
         let Some(head) = peek_head(&stream) else {
             return;
         };
@@ -324,7 +324,7 @@ fn wall_ms() -> u128 {
 /// The head of a request, left in the stream.
 fn peek_head(stream: &TcpStream) -> Option<String> {
     let (mut bytes, began) = ([0; HEAD], Instant::now());
-    while began.elapsed() < PATIENCE {
+    while began.elapsed() < TIMEOUT {
         let count = stream.peek(&mut bytes).ok()?;
         if count == 0 {
             return None;

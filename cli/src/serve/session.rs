@@ -146,7 +146,7 @@ impl Served {
     /// closed: it would wait for ever, at full load. The rig has no permission to move by now.
     pub fn answer_nan_until_gone(self) {
         let Some(mut wire) = self.wire else { return };
-        wire.limit_patience(FAREWELL_S);
+        wire.set_timeout(FAREWELL_S);
         loop {
             if wire.owes_an_answer() && wire.answer_nan().is_err() {
                 return;
@@ -190,13 +190,13 @@ pub fn serve_client(arrival: Arrival, element: &DeclaredElement, rig: &mut dyn M
 
 impl Session<'_> {
     fn talk(&mut self, arrival: Arrival) -> (End, Option<ClientConnection>) {
-        let patience_s = self.element.settings.patience_s;
+        let timeout_s = self.element.settings.timeout_s;
         let rig = &mut *self.rig;
         let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
         match ClientConnection::open(
             (arrival.stream, arrival.at),
             self.element.storeys,
-            patience_s,
+            timeout_s,
             watch,
         ) {
             Ok(mut wire) => {

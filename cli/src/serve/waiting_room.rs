@@ -34,20 +34,20 @@ impl Arrival {
 #[derive(Debug)]
 pub struct WaitingRoom {
     listener: TcpListener,
-    patience: Duration,
+    timeout: Duration,
     waiting: VecDeque<Arrival>,
 }
 
 impl WaitingRoom {
-    /// Lets in who connects at `listener`; the first message may take `patience`.
+    /// Lets in who connects at `listener`; the first message may take `timeout`.
     ///
     /// # Errors
     /// A listener that cannot be asked without waiting.
-    pub fn new(listener: TcpListener, patience: Duration) -> Result<Self, Error> {
+    pub fn new(listener: TcpListener, timeout: Duration) -> Result<Self, Error> {
         listener.set_nonblocking(true)?;
         Ok(Self {
             listener,
-            patience,
+            timeout,
             waiting: VecDeque::new(),
         })
     }
@@ -68,7 +68,7 @@ impl WaitingRoom {
                 Err(e) => return Err(e),
             }
         }
-        let silent = |a: &Arrival| a.at.elapsed() > self.patience;
+        let silent = |a: &Arrival| a.at.elapsed() > self.timeout;
         let speaks = self.waiting.iter().position(Arrival::speaks);
         let place = speaks.or_else(|| self.waiting.iter().position(silent));
         let Some(arrival) = place.and_then(|at| self.waiting.remove(at)) else {

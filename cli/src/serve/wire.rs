@@ -117,7 +117,7 @@ impl fmt::Display for ClientGone {
             Self::Broken(why) => write!(f, "the connection broke: {why}"),
             Self::Silent(seconds, bytes) => write!(
                 f,
-                "the client said nothing for {seconds} s{}: accepted are {seconds} s at most (serve.patience_s)",
+                "the client said nothing for {seconds} s{}: accepted are {seconds} s at most (serve.timeout_s)",
                 half(bytes)
             ),
             Self::Speechless(seconds) => write!(
@@ -188,7 +188,7 @@ pub struct ClientConnection {
     bytes: Vec<u8>,
     filled: usize,
     heard: Instant,
-    patience: Duration,
+    timeout: Duration,
     /// The client waits for an answer.
     owes: bool,
 }
@@ -200,9 +200,9 @@ const REST: Duration = Duration::from_millis(50);
 /// How long the first message may take, s.
 const FIRST_MESSAGE_S: f64 = 5.0;
 
-/// How long the first message of a client may take that may be silent for `patience_s` later, s.
-pub fn first_message_s(patience_s: f64) -> f64 {
-    FIRST_MESSAGE_S.min(patience_s)
+/// How long the first message of a client may take that may be silent for `timeout_s` later, s.
+pub fn first_message_s(timeout_s: f64) -> f64 {
+    FIRST_MESSAGE_S.min(timeout_s)
 }
 
 impl ClientConnection {
@@ -214,7 +214,7 @@ impl ClientConnection {
     pub fn open<E: From<ClientGone>>(
         (stream, at): (TcpStream, Instant),
         axes: usize,
-        patience_s: f64,
+        timeout_s: f64,
         mut meanwhile: impl FnMut() -> Result<(), E>,
     ) -> Result<Self, E> {
         let broken = |e: std::io::Error| ClientGone::Broken(e.to_string());
@@ -230,10 +230,10 @@ impl ClientConnection {
             bytes: vec![0; FIRST_MESSAGE],
             filled: 0,
             heard: Instant::now(),
-            patience: Duration::MAX,
+            timeout: Duration::MAX,
             owes: false,
         };
-        let first_s = first_message_s(patience_s);
+        let first_s = first_message_s(timeout_s);
         // Of the whole message: byte by byte it takes no longer.
         while !wire.receive()? {
             if at.elapsed().as_secs_f64() > first_s {
@@ -241,7 +241,7 @@ impl ClientConnection {
             }
             meanwhile()?;
         }
-        wire.patience = Duration::from_secs_f64(patience_s);
+        wire.timeout = Duration::from_secs_f64(timeout_s);
         let mut header = [0; HEADER];
         for (number, bytes) in header.iter_mut().zip(wire.bytes.as_chunks::<4>().0) {
             *number = i32::from_le_bytes(*bytes);
@@ -322,9 +322,9 @@ impl ClientConnection {
     }
 
     /// From now on the client may be silent for `seconds`.
-    pub fn limit_patience(&mut self, seconds: f64) {
+    pub fn set_timeout(&mut self, seconds: f64) {
         self.heard = Instant::now();
-        self.patience = Duration::from_secs_f64(seconds);
+        self.timeout = Duration::from_secs_f64(seconds);
     }
 
     /// True if a message is whole.
@@ -340,9 +340,9 @@ impl ClientConnection {
                 self.heard = Instant::now();
                 Ok(self.filled == self.bytes.len())
             }
-            Err(e) if waits(e.kind()) && self.heard.elapsed() < self.patience => Ok(false),
+            Err(e) if waits(e.kind()) && self.heard.elapsed() < self.timeout => Ok(false),
             Err(e) if waits(e.kind()) => {
-                Err(ClientGone::Silent(self.patience.as_secs_f64(), self.filled))
+                Err(ClientGone::Silent(self.timeout.as_secs_f64(), self.filled))
             }
             Err(e) if e.kind() == ErrorKind::ConnectionReset => {
                 Err(ClientGone::Closed(self.filled))

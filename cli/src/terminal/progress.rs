@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Steps between two looks at the clock.
 const STEPS_A_TELL: u64 = 1 << 14;
 /// Work that is over by then shows no bar.
-const PATIENCE: Duration = Duration::from_secs(1);
+const TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A bar on standard error for work that takes longer than a second, where somebody looks at a terminal.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ impl Progress {
     pub fn add(&self, steps: u64) {
         self.bar.inc(steps);
         if let Ok(mut began) = self.began.lock()
-            && began.is_some_and(|t| t.elapsed() > PATIENCE)
+            && began.is_some_and(|t| t.elapsed() > TIMEOUT)
             && !output::is_quiet()
         {
             *began = None;
@@ -67,7 +67,7 @@ pub fn while_waiting<T>(what: &str, work: impl FnOnce() -> T) -> T {
         return work();
     }
     let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
-    spinner.enable_steady_tick(PATIENCE);
+    spinner.enable_steady_tick(TIMEOUT);
     let done = work();
     spinner.finish_and_clear();
     done

@@ -92,8 +92,8 @@ impl Serve {
         })?;
         let cannot = |e: std::io::Error| Failure::test(format!("the network is lost: {e}"));
         let address = listener.local_addr().map_err(cannot)?;
-        let patience = Duration::from_secs_f64(first_message_s(test.serve.patience_s));
-        let mut waiting = WaitingRoom::new(listener, patience).map_err(cannot)?;
+        let timeout = Duration::from_secs_f64(first_message_s(test.serve.timeout_s));
+        let mut waiting = WaitingRoom::new(listener, timeout).map_err(cannot)?;
         interrupt::watch_rig();
         eprintln!(
             "outerloop: serves {} at {address}; Ctrl-C ends it",

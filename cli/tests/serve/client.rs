@@ -73,8 +73,8 @@ impl Client {
     pub fn connect(address: &str, header: &[i32]) -> Self {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.set_nodelay(true).unwrap();
-        let patience = Some(Duration::from_secs(20));
-        stream.set_read_timeout(patience).unwrap();
+        let timeout = Some(Duration::from_secs(20));
+        stream.set_read_timeout(timeout).unwrap();
         let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
         stream.write_all(&bytes).unwrap();
         Self(stream)

@@ -14,7 +14,7 @@ fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served()
         "--out",
         out.to_str().unwrap(),
         "--set",
-        "serve.patience_s=2",
+        "serve.timeout_s=2",
         "--set",
         "limits.displacement_m=0.02",
         "--set",
@@ -112,7 +112,7 @@ fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_free
         "[structure]\nmass_kg = [1000, 1000, 1000]\nstiffness_n_per_m = [{STOREY}, {STOREY}, {STOREY}]\n\
          damping_ratio = [0.02, 0.02, 0.02]\n\
          [loop]\nrate_hz = 1000\napproach_m_per_s = 0.2\n\
-         [serve]\npace = 'stop_and_go'\nsettle_ms = 10\naverage_ms = 2\npatience_s = 60\n\
+         [serve]\npace = 'stop_and_go'\nsettle_ms = 10\naverage_ms = 2\ntimeout_s = 60\n\
          [limits]\ndisplacement_m = 0.03\nforce_n = 20e3\n\
          [plant.actuator]\nkind = 'delay'\ndelay_ms = [3, 4, 5]\n"
     );

@@ -54,7 +54,7 @@ const MISCHIEF: [(&str, &str, Mischief); 10] = [
         let _ = c.0.write_all(&[0; 100]);
         let _ = c.0.shutdown(std::net::Shutdown::Both);
     }),
-    ("lost", "s at most (serve.patience_s)", |c| {
+    ("lost", "s at most (serve.timeout_s)", |c| {
         assert_eq!(c.receive(), None)
     }),
     ("lost", "100 bytes into a message", |c| {
@@ -100,7 +100,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         "--out",
         out.to_str().unwrap(),
         "--set",
-        "serve.patience_s=0.4",
+        "serve.timeout_s=0.4",
     ]);
     for (number, (verdict, reason, mischief)) in MISCHIEF.into_iter().enumerate() {
         let mut client = server.client();
@@ -158,7 +158,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
 /// Whoever connects and says nothing, or dribbles, keeps nobody waiting, however patient the rig is with a client.
 #[test]
 fn connections_that_do_not_speak_keep_no_client_waiting() {
-    let mut server = Server::start(&["--set", "serve.patience_s=3600"]);
+    let mut server = Server::start(&["--set", "serve.timeout_s=3600"]);
     let began = Instant::now();
     let _silent: Vec<Client> = (0..20)
         .map(|i| Client::connect(&server.address, &vec![1; i % 3]))
@@ -335,7 +335,7 @@ fn without_a_jump(held: &[f64], smooth: &[f64]) {
 fn a_test_that_cannot_be_served_is_refused_in_one_sentence() {
     for (set, reason) in [
         ("serve.pace=hop", "serve.pace"),
-        ("serve.patience_s=0", "serve.patience_s = 0"),
+        ("serve.timeout_s=0", "serve.timeout_s = 0"),
         ("serve.settle_ms=-1", "serve.settle_ms = -1"),
         ("serve.pace=continuous", "loop.solve_substeps is 0"),
     ] {

@@ -72,7 +72,7 @@ fn the_default_compensation_is_stable_and_its_budget_adds_up() {
 
 #[test]
 fn a_runaway_is_never_called_stable_and_a_wrong_result_is_doubtful() {
-    // What `run` shows of the default method, which is told the true delay: 8.5 %, 12 %, and a runaway.
+    // What `run` shows of the default method, which is configured with the true delay: 8.5 %, 12 %, and a runaway.
     for (delay_ms, verdict, status, said) in [
         ("12", "stable", 0, "ran to its end"),
         ("15", "doubtful", 1, "not the structure's response"),

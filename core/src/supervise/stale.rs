@@ -9,7 +9,7 @@ const FAR: f32 = 3.0;
 
 /// Counts how long samples have been stale.
 ///
-/// A reading that stands but for noise says so after a patience of its own: a good transducer behind a delay stands as long around
+/// A reading that stands but for noise says so after a timeout of its own: a good transducer behind a delay stands as long around
 /// a turn.
 ///
 /// A frozen converter delivers the same two words for ever, on time; a dead transducer before a good converter delivers the
@@ -26,7 +26,7 @@ pub struct StaleWatch<const N: usize> {
     hidden_motion_m: f32,
     steps: u16,
     standing_steps: u16,
-    patience_steps: u16,
+    timeout_steps: u16,
 }
 
 /// What is known of a sample.
@@ -40,8 +40,8 @@ pub struct Staleness {
 
 impl<const N: usize> StaleWatch<N> {
     /// Nothing seen yet. A standing reading may hide a motion of `hidden_motion_m`: some codes of the converter; one that stands but
-    /// for noise may do so for `patience_steps`: the actuator's delay and 20 ms.
-    pub const fn new(hidden_motion_m: f32, patience_steps: u16) -> Self {
+    /// for noise may do so for `timeout_steps`: the actuator's delay and 20 ms.
+    pub const fn new(hidden_motion_m: f32, timeout_steps: u16) -> Self {
         Self {
             displacement_m: [f32::NAN; N],
             target_m: [0.0; N],
@@ -50,13 +50,13 @@ impl<const N: usize> StaleWatch<N> {
             hidden_motion_m,
             steps: 0,
             standing_steps: 0,
-            patience_steps,
+            timeout_steps,
         }
     }
 
     /// As at the start.
     pub const fn reset(&mut self) {
-        *self = Self::new(self.hidden_motion_m, self.patience_steps);
+        *self = Self::new(self.hidden_motion_m, self.timeout_steps);
     }
 
     /// Takes in a sample.
@@ -106,7 +106,7 @@ impl<const N: usize> StaleWatch<N> {
         } else {
             0
         };
-        let stood = match self.standing_steps > self.patience_steps {
+        let stood = match self.standing_steps > self.timeout_steps {
             true => self.standing_steps,
             false => 0,
         };

@@ -17,7 +17,7 @@ pub(super) const STIFFNESS_N_PER_M: f64 = 158e3;
 const STATUS_NS: u64 = 50_000_000;
 
 /// Without an answer a command is sent again, ns.
-const PATIENCE_NS: u64 = 100_000_000;
+const TIMEOUT_NS: u64 = 100_000_000;
 
 /// The test: Table 1 of the paper with the limits that a board asks for.
 fn config() -> Config {
@@ -108,7 +108,7 @@ impl Pc {
         let waits = self.commands.front() == Some(&Command::Event(Event::Start))
             && self.mode != Some(Mode::Armed);
         match self.asked {
-            Some((_, sent_ns)) if at_ns - sent_ns < PATIENCE_NS => {}
+            Some((_, sent_ns)) if at_ns - sent_ns < TIMEOUT_NS => {}
             None if waits || self.commands.is_empty() => {
                 if at_ns - self.spoke_ns >= STATUS_NS {
                     self.sequence = self.sequence.wrapping_add(1);

@@ -193,7 +193,7 @@ fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
 fn a_starved_task_trips_the_test_before_the_watchdog_resets() {
     let (course, status) = crash(4);
     let after = course.permit_low_ns - course.fault_ns;
-    // Noticed, then the patience with a task.
+    // Noticed, then the timeout of a task.
     assert!(after <= 2 * NOTICED_NS + 2 * PERIOD_NS, "{after} ns");
     assert!(
         course

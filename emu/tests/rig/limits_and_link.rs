@@ -137,7 +137,7 @@ fn each_limit() {
 fn a_relay_that_opens_by_itself() {
     let mut desk = begun(Some(InjectedFault::Chain(Contact::Broken)), |_| {});
     let after = trips(&mut desk, Fault::PermitChain).unwrap();
-    // 3 ms of patience with a contact that was closed.
+    // A contact that was closed has 3 ms.
     assert!(after <= 8 * PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
 }
@@ -195,7 +195,7 @@ fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended(
     let mut desk = begun(Some(InjectedFault::LinkCut(2000)), |_| {});
     let after = trips(&mut desk, Fault::LinkLost).unwrap();
     println!("PERMIT low {} ms after the cut", after / 1_000_000);
-    // Half a second of patience, and the deceleration ramp.
+    // The timeout of half a second, and the deceleration ramp.
     assert!(after <= 1_400 * PERIOD_NS, "{after} ns");
     let log = desk.log();
     let low = log

@@ -89,7 +89,7 @@ fn trips(fault: InjectedFault) -> (Option<Fault>, f64) {
 fn an_output_that_drops_to_ground_in_a_running_test_trips_before_the_rig_is_far() {
     let (reason, after_s) = trips(InjectedFault::OutputDips);
     assert_eq!(reason, Some(Fault::Output));
-    // Four steps of patience, the step of the fault and the one that sees it.
+    // The timeout of four steps, the step of the fault and the one that sees it.
     assert!(after_s < 4e-3, "{after_s}");
 }
 

@@ -17,7 +17,7 @@ pub struct Settings {
     /// declared stiffness.
     pub carry_force: bool,
     /// How long a client may be silent, s.
-    pub patience_s: f64,
+    pub timeout_s: f64,
     /// Unit of length on the wire.
     pub length_unit: Length,
     /// Unit of force on the wire.
@@ -31,7 +31,7 @@ impl Default for Settings {
             settle_ms: 5.0,
             average_ms: 2.0,
             carry_force: true,
-            patience_s: 60.0,
+            timeout_s: 60.0,
             length_unit: Length::Metre,
             force_unit: Force::Newton,
         }
@@ -121,8 +121,8 @@ impl Settings {
         if !(0.0..=60_000.0).contains(&self.average_ms) {
             return refuse("average_ms", self.average_ms, "0 to 60000 ms");
         }
-        if !(self.patience_s > 0.0 && self.patience_s <= 86_400.0) {
-            return refuse("patience_s", self.patience_s, "above 0 to 86400 s");
+        if !(self.timeout_s > 0.0 && self.timeout_s <= 86_400.0) {
+            return refuse("timeout_s", self.timeout_s, "above 0 to 86400 s");
         }
         Ok(())
     }

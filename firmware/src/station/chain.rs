@@ -41,12 +41,12 @@ impl ChainWatch {
             self.steps.saturating_add(1)
         };
         self.was_closed = permit && (self.was_closed || closed);
-        let patience = if self.was_closed {
+        let timeout = if self.was_closed {
             open_steps
         } else {
             timeout_steps
         };
-        self.steps > patience
+        self.steps > timeout
     }
 }
 

@@ -5,7 +5,7 @@ use link::Input;
 use link::telemetry::MAX_INPUTS;
 
 /// Steps in a row that a command may be read back differently: a spike on a wire is no fault.
-const PATIENCE_STEPS: u8 = 4;
+const TIMEOUT_STEPS: u8 = 4;
 
 /// What the outputs have to show, and for how long one of them has not.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,6 @@ impl<const A: usize> ReadBack<A> {
         } else {
             0
         };
-        self.steps > PATIENCE_STEPS
+        self.steps > TIMEOUT_STEPS
     }
 }

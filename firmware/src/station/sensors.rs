@@ -6,7 +6,7 @@ use link::{Input, MAX_ACTUATORS};
 use outerloop_core::{Config, Fault};
 
 /// Steps in a row that are no fault: a spike on a wire.
-const PATIENCE_STEPS: u8 = 4;
+const TIMEOUT_STEPS: u8 = 4;
 
 /// A force within this share of what the declared stiffness makes of the motion is none.
 const NO_FORCE_SHARE: f64 = 0.02;
@@ -81,7 +81,7 @@ impl<const A: usize> SensorWatch<A> {
         } else {
             0
         };
-        if self.apart_steps > PATIENCE_STEPS {
+        if self.apart_steps > TIMEOUT_STEPS {
             return Some(Fault::Disagree);
         }
         self.force_stands(limits, read, tests)

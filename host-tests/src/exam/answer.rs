@@ -63,7 +63,7 @@ pub struct Error {
     pub test_rms: f64,
 }
 
-/// JSON has null for a number that is none.
+/// JSON has null for a NaN or an infinity.
 fn or_nan<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
