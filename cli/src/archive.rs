@@ -226,19 +226,29 @@ pub struct ArchivedTest {
     pub version: String,
 }
 
-/// That a file is no archive of a test on a board, which cannot be made again.
+/// That a file, if there is one, is the archive of a test that can be made again.
 ///
 /// # Errors
-/// One that is, without `--force`.
+/// Another one, without `--force`.
 pub fn refuse_to_replace(file: &Path) -> Result<(), Failure> {
-    let of_board = |archived: ArchivedTest| archived.repeat.place != RigKind::Simulated;
-    if file.is_file() && !look_ahead::is_forced() && load(file).is_ok_and(of_board) {
-        return Err(Failure::input(format!(
-            "{}: holds a test on a board, which cannot be made again: accepted is the name of a new file, or --force",
-            file.display()
-        )));
+    let empty = || file.metadata().is_ok_and(|found| found.len() == 0);
+    if !file.is_file() || look_ahead::is_forced() || empty() {
+        return Ok(());
     }
-    Ok(())
+    let why = match load(file) {
+        Ok(test) if test.repeat.place != RigKind::Simulated => {
+            "holds a test on a board, which cannot be made again"
+        }
+        Ok(test) if test.summary["verdict"] == "stopped" => {
+            "holds a test that was stopped by hand, which cannot be made again"
+        }
+        Ok(_) => return Ok(()),
+        Err(_) => "is there already and is no archive",
+    };
+    Err(Failure::input(format!(
+        "{}: {why}: accepted is the name of a new file, or --force",
+        file.display()
+    )))
 }
 
 impl ArchivedTest {

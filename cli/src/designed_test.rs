@@ -14,10 +14,19 @@ pub fn write(path: &Path, next: &diagnosis::Next) -> Result<(), Failure> {
     output::write(path, text(next))
 }
 
+/// The names of its columns.
+const HEAD: &str = "time_s,command_mm";
+
+/// True if a text is a designed test, or a signal as bare as one: nothing in it was measured.
+pub fn is_designed(text: &str) -> bool {
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    lines.next() == Some(HEAD)
+}
+
 /// A designed test as a file.
 pub fn text(next: &diagnosis::Next) -> String {
     let mut text = format!(
-        "# {}\n# {}\ntime_s,command_mm\n",
+        "# {}\n# {}\n{HEAD}\n",
         plan::summary(next),
         plan::limits(next)
     );

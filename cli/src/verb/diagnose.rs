@@ -66,8 +66,13 @@ impl Diagnose {
             &["report.html", "diagnosis.json", "model.toml"],
         )?;
         let out = out.as_deref();
-        look_ahead::file(self.save_model.as_deref())?;
-        look_ahead::file(self.next.as_deref())?;
+        let is_model = |text: &str| model::parse("", text).is_ok();
+        look_ahead::file_of_kind(self.save_model.as_deref(), "declared model", is_model)?;
+        look_ahead::file_of_kind(
+            self.next.as_deref(),
+            "designed test",
+            designed_test::is_designed,
+        )?;
         let declared = model::load(&self.model)?;
         if let Some(specimen) = &declared.coupled {
             return self.several(specimen, out);

@@ -311,3 +311,42 @@ fn a_record_that_cannot_be_made_again_is_not_replaced_unasked() {
     assert!(output.status.success(), "{output:?}");
     assert!(home.path().join("first/record.h5").exists());
 }
+
+/// A file that a person names by a slip may be a measurement: it is replaced by its own kind alone.
+#[test]
+fn a_file_of_another_kind_is_not_replaced_unasked() {
+    let home = laboratory();
+    let measured = "time_s,displacement_mm,force_n\n0,1,2\n1,2,3\n";
+    fs::write(home.path().join("raw.csv"), measured).unwrap();
+    let diagnose = "diagnose --model model.toml --train m.csv@0..5 --test m.csv@5..9";
+    for line in [
+        "run table1.toml --duration 3 --archive raw.csv".to_owned(),
+        format!("{diagnose} --save-model raw.csv"),
+        format!("{diagnose} --save-model table1.toml"),
+        format!("{diagnose} --next raw.csv"),
+        "benchmark rths --record m.csv --case 1 --targets raw.csv".to_owned(),
+        "benchmark marths --data data --records Kobe --targets raw.csv".to_owned(),
+        "board commission table1.toml --emulated --out raw.csv".to_owned(),
+        "new raw.csv --from table1".to_owned(),
+        "new --model raw.csv".to_owned(),
+        "new --signal raw.csv".to_owned(),
+    ] {
+        let before = contents(home.path());
+        let output = in_folder(home.path(), &line);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+        assert!(
+            said.contains("is there already") && said.contains("--force"),
+            "{line}: {said}"
+        );
+        assert!(contents(home.path()) == before, "{line}: {said}");
+    }
+    let archive = "run table1.toml --duration 3 --archive raw.csv";
+    let forced = in_folder(home.path(), &format!("{archive} --force"));
+    assert!(forced.status.success(), "{forced:?}");
+    let again = in_folder(home.path(), archive);
+    assert!(
+        again.status.success(),
+        "an archive replaces an archive: {again:?}"
+    );
+}

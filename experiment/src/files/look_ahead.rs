@@ -112,6 +112,32 @@ pub fn file(file: Option<&Path>) -> Result<(), Failure> {
     }
 }
 
+/// The same where only a file of this kind is replaced without `--force`: any other one may be a measurement. `own` says
+/// whether a text is a `kind`.
+///
+/// # Errors
+/// As [`file`], and a file that is there and is no `kind`.
+pub fn file_of_kind(
+    wanted: Option<&Path>,
+    kind: &str,
+    own: impl Fn(&str) -> bool,
+) -> Result<(), Failure> {
+    file(wanted)?;
+    let there = wanted.filter(|path| path.is_file() && !is_forced());
+    let Some(path) = there else {
+        return Ok(());
+    };
+    let found = fs::read(path).map_err(|e| cannot(path, &e))?;
+    let replaceable = std::str::from_utf8(&found).is_ok_and(|text| text.is_empty() || own(text));
+    if replaceable {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "{}: is there already and is no {kind}: accepted is the name of a new file, or --force",
+        path.display()
+    )))
+}
+
 /// The same for a record of a rig, which is not replaced without `--force`.
 ///
 /// # Errors

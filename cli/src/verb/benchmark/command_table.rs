@@ -1,12 +1,28 @@
 //! Tables of targets with commands to be filled in: `--targets` writes one, `--follow` reads one back.
 
 use experiment::failure::Failure;
+use experiment::files::look_ahead;
 use experiment::files::table::NumberTable;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Columns of targets by their names, m, one value a sample.
 pub(super) type TargetColumns<'a> = [(&'a str, Vec<f64>)];
+
+/// The first two columns of a table.
+const HEAD: &str = "time_s,target_m";
+
+/// That a table can be written there, and replaces nothing but another one.
+///
+/// # Errors
+/// A place that cannot be written, a file that is there and is no table of targets.
+pub(super) fn will_write(file: Option<&Path>) -> Result<(), Failure> {
+    let own = |text: &str| {
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        lines.next().is_some_and(|line| line.starts_with(HEAD))
+    };
+    look_ahead::file_of_kind(file, "table of targets", own)
+}
 
 /// The table: a comment, a head, and a row a sample with commands of 0.
 pub(super) fn text(

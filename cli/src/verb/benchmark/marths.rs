@@ -2,6 +2,7 @@
 
 mod by_table;
 
+use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
 use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
 use crate::answer::benchmark::{DeclaredPart, of_marths};
@@ -66,7 +67,7 @@ impl Marths {
             .into_iter()
             .chain(records.iter().copied().map(of_record));
         let out = look_ahead::folder(self.out.as_deref(), &files.collect::<Vec<_>>())?;
-        look_ahead::file(self.targets.as_deref())?;
+        command_table::will_write(self.targets.as_deref())?;
         let begin = std::time::Instant::now();
         note_seed(self.seed);
         check_plants(self.plants)?;

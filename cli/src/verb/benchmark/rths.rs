@@ -2,6 +2,7 @@
 
 mod by_table;
 
+use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
 use crate::answer::benchmark::of_rths;
 use crate::provenance::{WithProvenance, note_seed};
@@ -75,7 +76,7 @@ impl Rths {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let names = ["report.html", "rths.json"];
         let out = look_ahead::folder(self.out.as_deref(), &names)?;
-        look_ahead::file(self.targets.as_deref())?;
+        command_table::will_write(self.targets.as_deref())?;
         let began = Instant::now();
         note_seed(self.seed);
         let rules = self.rules()?;
