@@ -65,6 +65,18 @@ fn arguments() -> Result<Arguments, clap::Error> {
     Arguments::from_arg_matches(&command.try_get_matches()?)
 }
 
+/// All verbs as they are typed, `run`, `board calibrate`: those of a level before what is below them.
+fn verbs_below(command: &clap::Command) -> Vec<String> {
+    let own = command
+        .get_subcommands()
+        .map(|verb| verb.get_name().to_owned());
+    let below = command.get_subcommands().flat_map(|verb| {
+        let within = verbs_below(verb).into_iter();
+        within.map(|name| format!("{} {name}", verb.get_name()))
+    });
+    own.chain(below).collect()
+}
+
 /// A number below zero is a value that is refused by name, not an unknown option, here and in what is below.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let below: Vec<String> = command
@@ -85,10 +97,7 @@ pub fn main() -> ExitCode {
     let arguments = match arguments() {
         Ok(arguments) => arguments,
         Err(said) => {
-            let verbs: Vec<String> = Arguments::command()
-                .get_subcommands()
-                .map(|verb| verb.get_name().to_owned())
-                .collect();
+            let verbs = verbs_below(&Arguments::command());
             if let Some(sentence) = terminal::misspelt::sentence(&said, &verbs) {
                 return ended(Err(Failure::input(sentence)));
             }

@@ -137,13 +137,19 @@ impl Recording {
     pub fn odd_rate(&self) -> Option<String> {
         let (name, h) = (&self.name, self.interval_s());
         if h >= SLOW_S {
+            let (unit, column) = match 1e-3 * h >= SLOW_S {
+                true => ("microseconds", "time_us"),
+                false => ("milliseconds", "time_ms"),
+            };
             return Some(format!(
-                "{name}: samples lie {h:.4} s apart. Is the time in milliseconds? Then its column is time_ms."
+                "{name}: samples lie {h:.4} s apart. Is the time in {unit}? Then its column is {column}."
             ));
         }
+        // Seconds under milliseconds, or minutes under seconds.
         (h <= FAST_S).then(|| {
             format!(
-                "{name}: samples lie {:.3e} s apart, {:.3e} a second. Is the time in seconds? Then its column is time_s.",
+                "{name}: samples lie {:.3e} s apart, {:.3e} a second. Is the time in seconds or minutes? Then its column is \
+                 time_s or time_min.",
                 h,
                 1.0 / h
             )
@@ -468,10 +474,19 @@ mod tests {
         r.time_s.iter_mut().for_each(|t| *t *= 1e3);
         let r = r.made_even().unwrap();
         assert!(r.remarks[0].contains("Is the time in milliseconds?"));
-        let mut r = even(1000);
-        r.time_s.iter_mut().for_each(|t| *t *= 1e-3);
-        let r = r.made_even().unwrap();
-        assert!(r.remarks[0].contains("Is the time in seconds?"));
+        for (factor, asked) in [
+            (
+                1e6,
+                "Is the time in microseconds? Then its column is time_us",
+            ),
+            (1e-3, "Is the time in seconds or minutes?"),
+            (1.0 / 60.0, "time_s or time_min"),
+        ] {
+            let mut r = even(1000);
+            r.time_s.iter_mut().for_each(|t| *t *= factor);
+            let r = r.made_even().unwrap();
+            assert!(r.remarks[0].contains(asked), "{:?}", r.remarks);
+        }
     }
 
     #[test]

@@ -203,7 +203,7 @@ impl SingleActuator {
                     played.add_at(time_s, step.command_m, displacement_m, force_n);
                     self.readings.add_step(&self.identity, &step);
                 }
-                Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
+                Some(Mode::Finished) => break stopped.then(|| Played::BY_HAND.to_owned()),
                 Some(Mode::Tripped) => {
                     let reason = self.reason(status(board)?.trip);
                     break Some(format!("the board tripped: {reason}"));

@@ -40,11 +40,10 @@ pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
         ),
         ErrorKind::InvalidSubcommand => {
             let verb = context.text(ContextKind::InvalidSubcommand);
-            let meant = nearest(&verb, verbs.iter().map(String::as_str)).unwrap_or_default();
+            let usage = context.usage();
             format!(
-                "`{verb}` is no verb{}: accepted is {}, and `--help` lists the verbs",
-                in_question(meant),
-                context.usage()
+                "`{verb}` is no verb{}: accepted is {usage}, and `--help` lists the verbs",
+                in_question(meant_verb(&verb, verbs, &usage)),
             )
         }
         ErrorKind::MissingRequiredArgument => {
@@ -63,6 +62,24 @@ pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
             line.trim_start_matches("error: ").to_owned()
         }
     })
+}
+
+/// The verb that may have been meant, first of those that go on where the line had come to, then of all: the last word of
+/// each is compared.
+fn meant_verb<'a>(typed: &str, verbs: &'a [String], usage: &str) -> &'a str {
+    let words = usage.trim_matches('`').split(' ').skip(1);
+    let before: Vec<&str> = words.take_while(|w| !w.starts_with(['[', '<'])).collect();
+    let last = |verb: &'a str| verb.rsplit(' ').next().unwrap_or(verb);
+    let goes_on = |verb: &&String| {
+        let words: Vec<&str> = verb.split(' ').collect();
+        words.len() == before.len() + 1 && words.starts_with(&before)
+    };
+    let (near, far): (Vec<&String>, Vec<&String>) = verbs.iter().partition(goes_on);
+    let meant = [near, far].into_iter().find_map(|level| {
+        let name = nearest(typed, level.iter().map(|verb| last(verb)))?;
+        level.into_iter().find(|verb| last(verb) == name)
+    });
+    meant.map_or("", String::as_str)
 }
 
 /// A name that may have been meant.

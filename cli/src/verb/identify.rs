@@ -46,7 +46,10 @@ impl Identify {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "response.json"])?;
         let read = || RecordFiles::with(&self.columns).longest(&self.record);
         let recording = terminal::while_waiting("reading the record", read)?;
-        for remark in &recording.remarks {
+        // What speaks against the whole fit is said once, at the end.
+        let asked = recording.odd_rate();
+        let remarks = recording.remarks.iter();
+        for remark in remarks.filter(|remark| Some(*remark) != asked.as_ref()) {
             eprintln!("outerloop: note: {remark}");
         }
         let fit = || diagnosis::identify(&recording);

@@ -5,6 +5,7 @@ use crate::document::table;
 use crate::keys;
 use crate::terminal::output;
 use experiment::failure::Failure;
+use experiment::nearest::nearest;
 
 /// List every key of a test file: unit, default, what is accepted, meaning
 #[derive(clap::Args, Debug)]
@@ -38,8 +39,14 @@ impl Keys {
             }
             groups.retain(|g| !g.keys.is_empty());
             if groups.is_empty() {
+                let all = keys::all();
+                let paths = all.iter().flat_map(|group| {
+                    let keys = group.keys.iter().map(|key| key.path.as_str());
+                    std::iter::once(group.path.as_str()).chain(keys)
+                });
+                let meant = nearest(&wanted, paths).map_or(String::new(), |n| format!(" (`{n}`?)"));
                 return Err(Failure::input(format!(
-                    "no key has `{filter}` in its path or meaning: `outerloop keys` lists all"
+                    "no key has `{filter}`{meant} in its path or meaning: `outerloop keys` lists all"
                 )));
             }
         }

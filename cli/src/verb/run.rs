@@ -13,6 +13,7 @@ use crate::terminal::interrupt::{self, StopBySignal};
 use crate::terminal::{self, Progress};
 use diagnosis::ForceUnit;
 use experiment::Experiment;
+use experiment::bench::Played;
 use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::measured::in_mm_of;
@@ -185,12 +186,15 @@ impl Run {
             place: self.place.kind(),
             steps: played.steps,
             rate_hz,
-            verdict: if played.early.is_some() {
-                "tripped"
-            } else {
-                "completed"
+            verdict: match played.early.as_deref() {
+                None => "completed",
+                Some(Played::BY_HAND) => "stopped",
+                Some(_) => "tripped",
             },
-            trip: played.early.as_deref(),
+            trip: played
+                .early
+                .as_deref()
+                .filter(|why| *why != Played::BY_HAND),
             peak_displacement_m: played.peak_m,
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),

@@ -134,6 +134,28 @@ fn a_reversed_or_early_displacement_is_named_and_not_written() {
 }
 
 #[test]
+fn a_time_of_another_unit_is_asked_about_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("r.csv");
+    for (factor, unit) in [
+        (1e3, "milliseconds"),
+        (1e6, "microseconds"),
+        (1e-3, "minutes"),
+    ] {
+        let rows: String = (0..8000)
+            .map(|i| f64::from(i) * 1e-3)
+            .map(|t| format!("{},{},{}\n", factor * t, motion(t), motion(t - 0.01)))
+            .collect();
+        std::fs::write(&file, format!("time_s,command_mm,displacement_mm\n{rows}")).unwrap();
+        let out = outerloop(&["identify", &file.display().to_string()]);
+        let said = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(1), "{said}");
+        assert_eq!(said.matches("Is the time in").count(), 1, "{said}");
+        assert!(said.contains(unit), "{said}");
+    }
+}
+
+#[test]
 fn mistakes_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("r.csv");

@@ -209,6 +209,17 @@ fn a_misspelt_command_line_gets_one_sentence() {
         &["`--recrod`", "(`--record`?)", "outerloop run"],
     );
     refused(&["comapre", TABLE1], &["`comapre`", "(`compare`?)"]);
+    for (line, meant) in [
+        ("board comission", "(`board commission`?)"),
+        ("board idnetify", "(`board identify`?)"),
+        ("benchmark rth", "(`benchmark rths`?)"),
+        ("comission", "(`board commission`?)"),
+        ("benchmark rths --records ElCentr", "(`ElCentro`?)"),
+        ("keys plant.actuatr", "(`plant.actuator`?)"),
+    ] {
+        let words: Vec<&str> = line.split(' ').collect();
+        refused(&words, &[meant]);
+    }
     refused(&["run"], &["<TEST>", "missing"]);
     refused(
         &["run", TABLE1, "--seed", "x"],

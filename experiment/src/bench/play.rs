@@ -86,7 +86,7 @@ pub fn play(
                 && outer.handle(event).is_ok()
                 && event == Event::Stop
             {
-                return Ok(played.ended_early("it was stopped by hand".into()));
+                return Ok(played.ended_early(Played::BY_HAND.into()));
             }
         }
     })

@@ -25,6 +25,9 @@ pub struct Played {
 }
 
 impl Played {
+    /// Why a signal ended early that a person has stopped.
+    pub const BY_HAND: &str = "it was stopped by hand";
+
     /// Nothing yet.
     pub fn new() -> Self {
         Self {

@@ -175,7 +175,7 @@ impl Marths {
             .map(|name| {
                 RECORDS.into_iter().find(|r| r == name).ok_or_else(|| {
                     Failure::input(format!(
-                        "--records {name}: accepted are {}",
+                        "--records: `{name}` is unknown: accepted are {}",
                         RECORDS.join(", ")
                     ))
                 })

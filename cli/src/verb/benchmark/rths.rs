@@ -177,7 +177,7 @@ impl Rths {
     fn load(&self, rules: &Rules, behaviour: Behaviour) -> Result<Vec<GroundRecord>, Failure> {
         if let Some(unknown) = self.records.iter().find(|r| !RECORDS.contains(&r.as_str())) {
             return Err(Failure::input(format!(
-                "--records {unknown}: accepted are {}",
+                "--records: `{unknown}` is unknown: accepted are {}",
                 RECORDS.join(", ")
             )));
         }
