@@ -96,7 +96,7 @@ impl Provenance {
                 operator: names
                     .into_iter()
                     .find_map(of_user)
-                    .unwrap_or_else(|| "not known: OUTERLOOP_OPERATOR says it".into()),
+                    .unwrap_or_else(|| "not known (OUTERLOOP_OPERATOR names one)".into()),
                 machine: gethostname::gethostname().to_string_lossy().into_owned(),
                 command: command(&arguments),
                 folder: std::env::current_dir()
