@@ -70,6 +70,10 @@ impl Improve {
         let files: Vec<PathBuf> = self.common.files(&self.more);
         let out = look_ahead::folder(self.out.as_deref(), &written(&files))?;
         let out = out.as_deref();
+        // A slip in the last of them is refused before the first has run for minutes.
+        for file in &files {
+            self.common.load_other(file)?;
+        }
         let mut stories = Vec::new();
         interrupt::watch();
         for file in &files {

@@ -77,10 +77,11 @@ impl Run {
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
-        look_ahead::file(self.archive.as_deref())?;
+        // It reads what is there, which nobody may read any more once it is an output.
         if let Some(file) = &self.archive {
             archive::refuse_to_replace(file)?;
         }
+        look_ahead::file(self.archive.as_deref())?;
         let mut test = self.common.load_any()?;
         if test.coupled.is_some() {
             super::coupled::refuse(&[

@@ -182,13 +182,11 @@ fn no_verb_replaces_what_it_reads() {
             fs::remove_file(&stiffness).unwrap();
             std::os::unix::fs::symlink("../../o/report.html", &stiffness).unwrap();
         }
-        let output = in_folder(home.path(), line);
+        // Also where records and files of another kind may be replaced.
+        let output = in_folder(home.path(), &format!("{line} --force"));
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{line}: {said}");
-        let why = match verb {
-            "board commission" => "is there already",
-            _ => "would be replaced by what it writes to",
-        };
+        let why = "would be replaced by what it writes to";
         assert!(said.contains(why), "{line}: {said}");
         assert_eq!(said.trim().lines().count(), 1, "{said}");
         if (verb, option) == ("benchmark marths", "--out") {
@@ -341,7 +339,10 @@ fn a_file_of_another_kind_is_not_replaced_unasked() {
         );
         assert!(contents(home.path()) == before, "{line}: {said}");
     }
-    let archive = "run table1.toml --duration 3 --archive raw.csv";
+    fs::rename(home.path().join("raw.csv"), home.path().join("raw.h5")).unwrap();
+    let archive = "run table1.toml --duration 3 --archive raw.h5";
+    let refused = in_folder(home.path(), archive);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     let forced = in_folder(home.path(), &format!("{archive} --force"));
     assert!(forced.status.success(), "{forced:?}");
     let again = in_folder(home.path(), archive);
@@ -349,4 +350,51 @@ fn a_file_of_another_kind_is_not_replaced_unasked() {
         again.status.success(),
         "an archive replaces an archive: {again:?}"
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_archive_that_cannot_be_made_again_is_kept() {
+    let home = laboratory();
+    let archive = home.path().join("kept.h5").display().to_string();
+    let line = ["run", "examples/table1.toml", "--archive", &archive];
+    let scope = command(&[&line[..], &["--scope"]].concat());
+    let (mut running, _said, _) = crate::common::started(scope, "http");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    crate::common::send_signal(&running, "-TERM");
+    assert_eq!(running.wait().unwrap().code(), Some(1));
+    let kept = fs::read(&archive).unwrap();
+    let again = outerloop(&[&line[..], &["--duration", "3"]].concat());
+    let said = String::from_utf8_lossy(&again.stderr);
+    assert_eq!(again.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("stopped by hand") && said.contains("--force"),
+        "{said}"
+    );
+    assert!(fs::read(&archive).unwrap() == kept);
+}
+
+#[test]
+fn two_results_of_a_command_do_not_go_to_one_file() {
+    let home = laboratory();
+    for folder in ["a", "b"] {
+        fs::create_dir(home.path().join(folder)).unwrap();
+        let test = home.path().join(folder).join("x.toml");
+        fs::copy(
+            crate::common::root().join("examples/undeclared/friction.toml"),
+            test,
+        )
+        .unwrap();
+    }
+    for line in [
+        "improve a/x.toml b/x.toml --out p",
+        "run table1.toml --duration 3 --out p --archive p/report.html",
+        "diagnose --model model.toml --train m.csv@0..5 --test m.csv@5..9 --save-model n --next n",
+    ] {
+        let output = in_folder(home.path(), line);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+        assert!(said.contains("two results of this command"), "{said}");
+        assert!(!home.path().join("n").exists() && !home.path().join("p").exists());
+    }
 }

@@ -161,10 +161,28 @@ fn make_and_drop_file(folder: &Path) -> Result<(), Error> {
 }
 
 fn will_write(path: &Path) -> Result<(), Failure> {
-    let path = std::path::absolute(path).map_err(|e| cannot(path, &e))?;
+    let whole = std::path::absolute(path).map_err(|e| cannot(path, &e))?;
     let mut outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
-    outputs.push(path);
+    let same = |other: &PathBuf| {
+        in_its_folder(other) == in_its_folder(&whole) || is_one_file(other, &whole)
+    };
+    if outputs.iter().any(same) {
+        return Err(Failure::input(format!(
+            "{}: two results of this command would go there: accepted is a place of its own for each",
+            path.display()
+        )));
+    }
+    outputs.push(whole);
     Ok(())
+}
+
+/// A path by its folder as it really is, where that is there.
+fn in_its_folder(path: &Path) -> PathBuf {
+    let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+    match (folder, path.file_name()) {
+        (Some(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
 }
 
 /// That `input`, which is about to be read, is nothing that this command will write.
@@ -223,7 +241,7 @@ mod tests {
             file(Some(&good.join("a.csv"))).unwrap();
         }
         file(Some(Path::new("/dev/null"))).unwrap();
-        file(Some(&at("file"))).unwrap();
+        file(Some(Path::new("/dev/null"))).unwrap();
         assert_eq!(
             fs::read_dir(home.path()).unwrap().count(),
             1,
@@ -240,6 +258,20 @@ mod tests {
         assert!(said(file(Some(home.path()))).contains("it is a folder"));
         assert!(said(new_record(&at("file"))).contains("is there already"));
         new_record(&at("new.csv")).unwrap();
+    }
+
+    #[test]
+    fn two_results_do_not_go_to_one_place() {
+        let home = tempfile::tempdir().unwrap();
+        let at = |name: &str| home.path().join(name);
+        fs::create_dir(at("deep")).unwrap();
+        file(Some(&at("result"))).unwrap();
+        for same in ["result", "deep/../result", "./result"] {
+            let e = said(file(Some(&at(same))));
+            assert!(e.contains("two results of this command"), "{e}");
+        }
+        let e = said(folder(Some(home.path()), &["other", "result"]));
+        assert!(e.contains("two results of this command"), "{e}");
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub fn missing(path: &Path) -> Option<Failure> {
     };
     Some(Failure::input(format!(
         "{}: is not there: it is other people's and no part of outerloop, published at {address}; `scripts/fetch-data` brings \
-         what has an open address, docs/data.md tells of the rest, and OUTERLOOP_DATA or --data names another folder",
+         what has an open address, docs/data.md lists the rest, and OUTERLOOP_DATA or --data names another folder",
         path.display()
     )))
 }
