@@ -65,7 +65,7 @@ pub fn of_identify(
     }
     tiles.push((
         percent(found.nrmse),
-        "left by this model, of what the displacement moves".to_owned(),
+        "of the displacement is left by this model".to_owned(),
     ));
     d.tell(format!(
         "The model leaves {:.2} % of the displacement's standard deviation.",
@@ -147,7 +147,7 @@ fn distorted(d: &mut Document, response: &FrequencyResponse) {
             false => d.verdict(
                 Grade::Good,
                 format!(
-                    "{level}: no distortion that it would show (noise: {:.3} um).",
+                    "{level}: no distortion stands out (noise: {:.3} um).",
                     1e3 * noise
                 ),
             ),
