@@ -38,6 +38,23 @@ impl<A: Asked> ChannelData<'_, A> {
     }
 }
 
+/// Names that an answer takes in, with the model that has them.
+struct Given<'a, F> {
+    candidate: &'a Candidate<F>,
+    names: &'a [(Effect, f64)],
+    is_set: bool,
+}
+
+impl<'a, F> Given<'a, F> {
+    fn new(candidate: &'a Candidate<F>, names: &'a [(Effect, f64)], is_set: bool) -> Self {
+        Self {
+            candidate,
+            names,
+            is_set,
+        }
+    }
+}
+
 impl ChannelDiagnosis<'_> {
     /// What the one engine says; `None` where a signal is missing or nothing tells the noise.
     pub(super) fn specimen_by_engine(&self, improved: &mut Model) -> Option<ChannelAnswer> {
@@ -80,14 +97,14 @@ impl ChannelDiagnosis<'_> {
             Said::Nothing => {}
             _ if answer.error_before.test_nrmse < channel.transducer => {}
             Said::Names(n) => {
-                let named = (&n.model, &n.names[..], false);
+                let named = Given::new(&n.model, &n.names, false);
                 after = self.take_named(&mut answer, channel, &before, named, improved);
                 if after.is_some() {
                     self.say_beside(&mut answer, n);
                 }
             }
             Said::Set(c, names) => {
-                let named = (c, &names[..], true);
+                let named = Given::new(c, names, true);
                 after = self.take_named(&mut answer, channel, &before, named, improved);
             }
             Said::Unknown(likeliest) => {
@@ -128,7 +145,11 @@ impl ChannelDiagnosis<'_> {
         answer: &mut ChannelAnswer,
         channel: &ChannelData<A>,
         before: &Left,
-        (candidate, names, is_set): (&Candidate<A::Fit>, &[(Effect, f64)], bool),
+        Given {
+            candidate,
+            names,
+            is_set,
+        }: Given<A::Fit>,
         improved: &mut Model,
     ) -> Option<Left> {
         let fit = &candidate.model;

@@ -26,15 +26,18 @@ pub const UNEXPLAINED: f64 = 0.45;
 /// The probability that such a law is the cause, below and above.
 pub const NOT_IN_THE_TABLE: [f64; 2] = [0.02, 0.2];
 
+/// Names, each with its probability, the likeliest first.
+pub type Probabilities = Vec<(Effect, f64)>;
+
 /// Names without which nothing is said, taken as a whole.
 #[derive(Clone, Debug)]
 pub struct Named<M> {
     /// The likeliest model that has them.
     pub model: Candidate<M>,
     /// The names, each with its probability.
-    pub names: Vec<(Effect, f64)>,
+    pub names: Probabilities,
     /// One of these stands beside them, too.
-    pub beside: Vec<(Effect, f64)>,
+    pub beside: Probabilities,
     /// They are not all: something else is there, with a name or without.
     pub more: bool,
     /// They alone do most of what the model does; else what is open beside them is the larger part.
@@ -49,7 +52,7 @@ pub enum Said<M> {
     /// These names are in it.
     Names(Named<M>),
     /// One of these is in it.
-    Set(Candidate<M>, Vec<(Effect, f64)>),
+    Set(Candidate<M>, Probabilities),
     /// Something is, and no name can be given; the likeliest one's model.
     Unknown(Option<Candidate<M>>),
 }
@@ -127,7 +130,7 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
 }
 
 /// The smallest set of names one of which is in the rig with enough probability; else those of a family that is sure.
-fn set<M: Clone>(posterior: &Posterior<M>) -> Option<(Candidate<M>, Vec<(Effect, f64)>)> {
+fn set<M: Clone>(posterior: &Posterior<M>) -> Option<(Candidate<M>, Probabilities)> {
     let names = posterior.names();
     let holds = |set: &[(Effect, f64)]| {
         let hit = |c: &Candidate<M>| set.iter().any(|n| c.names.contains(&n.0));
@@ -146,14 +149,14 @@ fn set<M: Clone>(posterior: &Posterior<M>) -> Option<(Candidate<M>, Vec<(Effect,
 fn plain_family<M: Clone>(
     posterior: &Posterior<M>,
     names: &[(Effect, f64)],
-) -> Option<Vec<(Effect, f64)>> {
+) -> Option<Probabilities> {
     let mut families: Vec<Family> = names.iter().map(|n| n.0.entry().family).collect();
     families.sort_by_key(|f| *f as usize);
     families.dedup();
     let sure = families
         .into_iter()
         .find(|f| posterior.family(*f) >= SURE)?;
-    let mut own: Vec<(Effect, f64)> = names.to_vec();
+    let mut own: Probabilities = names.to_vec();
     own.retain(|n| n.0.entry().family == sure);
     own.truncate(LARGEST_SET);
     (own.len() > 1).then_some(own)

@@ -264,7 +264,7 @@ impl TestObserver for TestWatch {
             self.note();
         }
         self.note_corrections();
-        if self.blocks % BLOCKS_A_LOOK == 0 {
+        if self.blocks.is_multiple_of(BLOCKS_A_LOOK) {
             self.note_watchable();
         }
         verdict
