@@ -306,7 +306,7 @@ fn bad_input_is_refused_in_one_sentence() {
         (&["--record", "nowhere.csv"], "nowhere.csv"),
         (
             &["--records", "Northridge"],
-            "--records Northridge: accepted are ElCentro",
+            "--records: `Northridge` is unknown: accepted are ElCentro",
         ),
         (
             &["--rules", "mine"],
