@@ -51,10 +51,11 @@ macro_rules! qemu_image {
     ($(own $own:expr)?) => {
         #[cortex_m_rt::entry]
         fn main() -> ! {
-            use $crate::board::qemu::image;
-            static mut POINTS: [f32; image::MAX_POINTS] = [0.0; image::MAX_POINTS];
+            // First of all: `entry` hands it out once, as a reference.
+            static mut POINTS: [f32; $crate::board::qemu::image::MAX_POINTS] =
+                [0.0; $crate::board::qemu::image::MAX_POINTS];
             $(let _ = $own.register();)?
-            image::main(POINTS)
+            $crate::board::qemu::image::main(POINTS)
         }
 
         #[panic_handler]
