@@ -28,7 +28,7 @@ fn what_is_sent_ahead_of_a_target_is_no_dead_output() {
     let folder = tempfile::tempdir().unwrap();
     let test = test_file(folder.path()).display().to_string();
     let output = command(&["run", &test, "--emulated", "--json", "--duration", "4"])
-        .args(["--compensation", "inverse"])
+        .args(["--compensation", "afp"])
         .output()
         .unwrap();
     let said: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -51,7 +51,7 @@ fn an_archived_test_on_an_emulated_board_is_replayed_to_the_bit() {
     let test = test_file(folder.path()).display().to_string();
     let file = folder.path().join("test.h5").display().to_string();
     let run = ["run", &test, "--emulated", "--duration", "1"];
-    let archived = ["--compensation", "inverse", "--archive", &file];
+    let archived = ["--compensation", "afp", "--archive", &file];
     assert!(command(&run).args(archived).status().unwrap().success());
     let output = command(&["replay", &file, "--json"]).output().unwrap();
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
