@@ -8,13 +8,14 @@ use crate::archive::ArchivedTest;
 use experiment::files::channels;
 use experiment::numbers::{length, percent, si};
 use outerloop_core::flag;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A key that has another value in the second test.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ChangedSetting {
     /// Its path, as in a test file; `place`, `seed`, `record` and the like stand beside the test file.
     pub key: String,
@@ -25,7 +26,7 @@ pub struct ChangedSetting {
 }
 
 /// A figure of the summaries.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FigurePair {
     /// Its key in `summary.json`.
     pub key: &'static str,
@@ -36,7 +37,7 @@ pub struct FigurePair {
 }
 
 /// How far a channel of the second test is from the same one of the first.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ChannelDifference {
     /// Its name in `record.csv`.
     pub channel: String,
@@ -55,7 +56,7 @@ pub struct ChannelDifference {
 }
 
 /// Two tests that ran.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Difference {
     /// What was set otherwise.
     pub settings: Vec<ChangedSetting>,

@@ -17,6 +17,7 @@ use experiment::trace::{Response, TestObserver};
 use outerloop_core::Config;
 use outerloop_core::config::Filter;
 use plant::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Share of a record, after the rest at its start, that is trained with.
@@ -27,7 +28,7 @@ const TRAINED: f64 = 0.6;
 const SAME: f64 = 0.1;
 
 /// What became of a test with what was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ImprovementOutcome {
     /// Its error is smaller.

@@ -1,12 +1,13 @@
 //! Who ran what, when, with which files and which program: what an archive has to know of every result.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 use std::sync::OnceLock;
 
 /// A file that the command named.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct NamedFile {
     /// Its path, as it was given.
     pub file: String,
@@ -15,7 +16,7 @@ pub struct NamedFile {
 }
 
 /// Where a result comes from.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Provenance {
     /// When the program was started: local time with its offset from UTC.
     pub date: String,

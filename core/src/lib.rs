@@ -35,6 +35,10 @@
 // `!(x <= limit)` is how a NaN fails a limit.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+// The schema of a configuration is made on a PC.
+#[cfg(feature = "schema")]
+extern crate std;
+
 pub mod config;
 mod context;
 pub mod coupled;

@@ -403,6 +403,24 @@ mod travel {
         }
     }
 
+    #[cfg(feature = "schema")]
+    impl schemars::JsonSchema for Method {
+        fn schema_name() -> std::borrow::Cow<'static, str> {
+            "Method".into()
+        }
+
+        /// A name of the list, or a force and a predictor.
+        fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+            let names = Self::ALL.map(Self::name);
+            schemars::json_schema!({
+                "anyOf": [
+                    { "type": "string", "enum": names.as_slice() },
+                    { "type": "string", "pattern": r"^[a-z0-9-]+\+[a-z0-9-]+$" },
+                ]
+            })
+        }
+    }
+
     impl<'de> Deserialize<'de> for Method {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
             if deserializer.is_human_readable() {

@@ -74,6 +74,7 @@ pub struct Step<'a, const N: usize> {
 /// How the actuator moves between targets that come from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Pace {
     /// Moves to each target at the speed of the approach, `loop.approach_m_per_s`, and stands there until the next one

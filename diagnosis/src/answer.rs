@@ -2,10 +2,11 @@
 
 use crate::signals::difference;
 use plant::{Channel, Effect, Family};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The verdict on a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model lacks nothing that the noise would show.
@@ -23,7 +24,7 @@ pub enum Verdict {
 }
 
 /// A parameter of an effect that was found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FoundParameter {
     /// Name, ending with the unit.
     pub name: String,
@@ -36,7 +37,7 @@ pub struct FoundParameter {
 }
 
 /// What speaks for a name, on data left out block by block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Certificate {
     /// How many times the squares the best rival of any other kind or family, or a free function, leaves in its place.
     pub rivals_leave: f64,
@@ -45,7 +46,7 @@ pub struct Certificate {
 }
 
 /// An effect that was found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FoundEffect {
     /// Its name.
     pub name: Effect,
@@ -101,7 +102,7 @@ impl FoundEffect {
 }
 
 /// A member of a set of effects that explain the data equally well.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Member {
     /// Its name.
     pub name: Effect,
@@ -111,7 +112,7 @@ pub struct Member {
 }
 
 /// What the rest depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DependsOn {
     /// Displacement, static.
@@ -133,7 +134,7 @@ pub enum DependsOn {
 }
 
 /// A share of the rest's squares.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Share {
     /// What it depends on.
     pub depends_on: DependsOn,
@@ -146,7 +147,7 @@ pub struct Share {
 }
 
 /// Where a rest was learned: outside it is not said what it would be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
     /// Smallest and largest displacement, mm.
@@ -160,7 +161,7 @@ pub struct Range {
 }
 
 /// What a rest depends on, without a name: strengths of the columns of one class.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {
     /// What it depends on.
@@ -172,7 +173,7 @@ pub struct Correction {
 }
 
 /// A line in the spectrum of the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Line {
     /// Frequency, Hz.
     pub frequency_hz: f64,
@@ -185,7 +186,7 @@ pub struct Line {
 }
 
 /// The anatomy of what the model leaves, each class alone.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Remainder {
     /// rms of the rest on held-out data, in the channel's unit.
     pub rms: f64,
@@ -196,7 +197,7 @@ pub struct Remainder {
 }
 
 /// A declared parameter as the record has it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Refitted {
     /// Its name, ending with its unit.
     pub name: String,
@@ -218,7 +219,7 @@ impl Refitted {
 }
 
 /// The nearest effect where none explains enough.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Nearest {
     /// Its name.
     pub name: Effect,
@@ -227,7 +228,7 @@ pub struct Nearest {
 }
 
 /// Errors of a model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
     /// rms(measured - model) / std(measured) on the training data.
     pub train_nrmse: f64,
@@ -247,7 +248,7 @@ impl Errors {
 }
 
 /// How far an effect got.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tried {
     /// Its name.
     pub name: Effect,
@@ -286,7 +287,7 @@ impl Traces {
 }
 
 /// The answer for a channel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ChannelAnswer {
     /// Which channel.
     pub channel: Channel,

@@ -1,9 +1,10 @@
 //! A number that a laboratory declares.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Declared {
     /// Value, in the unit of the parameter's name.

@@ -34,11 +34,12 @@ use crate::{
 };
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 
 /// The whole answer.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Diagnosis {
     /// How long it took, s.
     pub seconds: f64,

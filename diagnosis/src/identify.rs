@@ -8,6 +8,7 @@ use crate::recording::Recording;
 use crate::refusal::Refusal;
 use crate::signals::{Transfer, deviation, difference, mean, rms};
 use nalgebra::{Matrix4, Vector4};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -27,7 +28,7 @@ const ITERATIONS: usize = 40;
 const LONG: usize = 200_000;
 
 /// What was found. Intervals hold the true value with 90 % confidence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Identified {
     /// Displacement per command.
     pub gain: f64,

@@ -8,6 +8,7 @@ use crate::library;
 use crate::refusal::Refusal;
 use crate::saved_element::SavedElement;
 use plant::{Channel, ChannelParameter, Effect, EffectSpec};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
@@ -80,7 +81,7 @@ fn check_declared(
 }
 
 /// Command to displacement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorModel {
     /// Displacement per command; 1 where it is left out.
@@ -104,7 +105,7 @@ pub struct ActuatorModel {
 }
 
 /// Unit of the force that a specimen's parameters are in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum ForceUnit {
     /// Newtons.
     #[default]
@@ -123,7 +124,7 @@ impl ForceUnit {
 }
 
 /// Displacement to force.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenModel {
     /// What the N in the names of the parameters are: newtons, or 1 for a recorded force without a unit.
@@ -153,7 +154,7 @@ pub struct SpecimenModel {
 }
 
 /// What the rig may do, around its zero; what is left out is taken from a record's own span.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigLimits {
     /// Largest displacement to either side, mm.
@@ -193,7 +194,7 @@ impl RigLimits {
 
 /// The declared model; a channel that is left out is not looked at. A file of its own, as `diagnose --model` takes it, has the same
 /// tables without `declared.`; `outerloop new --model FILE` writes one with every key explained.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
     /// Command to displacement.

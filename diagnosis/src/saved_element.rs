@@ -4,10 +4,11 @@ use crate::joint::element::{Element, Law};
 use crate::joint::track::{MotionScales, Track};
 use crate::refusal::Refusal;
 use crate::signals::Signals;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// An element beside the declared specimen that an earlier diagnosis added.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SavedElement {
     /// What it was named.

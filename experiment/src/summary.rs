@@ -10,6 +10,7 @@ use crate::numbers::{percent, si, three};
 use crate::score::Score;
 use crate::watch::WatchReport;
 use outerloop_core::{Fault, Mode, Trip};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// From this eps_rms on, a result is not the structure's, however stable the test was.
@@ -20,7 +21,7 @@ pub const GOOD_EPS_RMS: f64 = 0.02;
 const LOCKED_SHARE: f64 = 0.2;
 
 /// How a test ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TestVerdict {
     /// It ran to its end.
@@ -68,7 +69,7 @@ impl Validity {
 }
 
 /// The figures of one test. The keys are a contract.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Summary {
     /// Name of the ground motion.
     pub record: String,

@@ -1,5 +1,6 @@
 //! The `[plant.sensors]` table, and the measuring channels that it describes.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::converter::Converter;
@@ -11,7 +12,7 @@ use crate::sensor::{Sensor, SensorSpec};
 use crate::stage::{Stage, Stages};
 
 /// The `[plant.sensors]` table; the same sensors on every axis. The default is perfect.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorsSpec {
     /// White noise of the displacement, mm rms.

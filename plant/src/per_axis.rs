@@ -1,12 +1,13 @@
 //! A parameter that may differ between axes.
 
+use schemars::JsonSchema;
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::error::{Accept, RigError};
 
 /// One number for every axis, or a list with one number an axis, from the ground up.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PerAxis {
     /// The same for every axis.

@@ -1,5 +1,6 @@
 //! The composition: actuators, a shear frame of specimens, sensors and converters.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::actuator::{Actuator, ActuatorSpec, Load};
@@ -10,7 +11,7 @@ use crate::measurement::{Channels, SensorsSpec};
 use crate::specimen::SpecimenSpec;
 
 /// The `[plant]` table of a test file. The default is an ideal actuator, a linear specimen and perfect sensors.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RigSpec {
     /// Command to displacement.

@@ -1,7 +1,7 @@
 //! A declared model to begin with: every key explained, from the same list as the keys of a test file.
 
 use super::key::{Group, Key};
-use super::source::ValueKind;
+use super::value::ValueKind;
 use std::fmt::Write as _;
 
 /// The table of a test file whose inner tables a model's file has at its top.
@@ -49,7 +49,7 @@ pub fn declared_model(groups: &[Group]) -> String {
 }
 
 fn write_key(text: &mut String, key: &Key, table: &str) {
-    let name = name(key);
+    let name = key.name();
     match (begin_with(key), &key.kind) {
         (Some([value, tolerance]), _) => {
             comment(text, &key.meaning);
@@ -59,7 +59,7 @@ fn write_key(text: &mut String, key: &Key, table: &str) {
             );
         }
         // What a diagnosis writes and nobody types.
-        (None, ValueKind::Tables | ValueKind::Table(_)) => {
+        (None, ValueKind::Tables | ValueKind::Declared) => {
             comment(
                 text,
                 &format!(
@@ -75,12 +75,8 @@ fn write_key(text: &mut String, key: &Key, table: &str) {
     }
 }
 
-fn name(key: &Key) -> &str {
-    key.path.rsplit('.').next().unwrap_or(&key.path)
-}
-
 fn begin_with(key: &Key) -> Option<[f64; 2]> {
-    let typical = BEGIN_WITH.iter().find(|(known, _)| *known == name(key));
+    let typical = BEGIN_WITH.iter().find(|(known, _)| *known == key.name());
     typical.map(|(_, numbers)| *numbers)
 }
 
@@ -108,7 +104,7 @@ mod tests {
         let keys = groups.iter().filter(|g| g.path.starts_with(DECLARED));
         let mut explained = 0;
         for key in keys.flat_map(|group| &group.keys) {
-            let own = name(key);
+            let own = key.name();
             assert!(text.contains(own), "{own} is not explained:\n{text}");
             let meaning = key.meaning.split_whitespace().next().unwrap();
             assert!(text.contains(meaning), "{own}: {meaning}");

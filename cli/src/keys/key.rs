@@ -1,6 +1,6 @@
 //! What is said of a key.
 
-use super::source::ValueKind;
+use super::value::ValueKind;
 
 /// A key of the test file.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -18,6 +18,13 @@ pub struct Key {
     /// What it holds.
     #[serde(skip)]
     pub(super) kind: ValueKind,
+}
+
+impl Key {
+    /// The last part of its path.
+    pub fn name(&self) -> &str {
+        self.path.rsplit('.').next().unwrap_or(&self.path)
+    }
 }
 
 /// A table of the test file with its keys.

@@ -1,6 +1,6 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
-use super::source::ValueKind;
+use super::value::ValueKind;
 use experiment::files::test::TestFile;
 use std::path::Path;
 
@@ -46,7 +46,10 @@ pub fn accepted(path: &str, kind: &ValueKind, meaning: &str) -> String {
         ValueKind::Flag => return "true, false".into(),
         ValueKind::Tables if path.ends_with(".springs") => return "tables".into(),
         ValueKind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
-        ValueKind::Table(_) => return String::new(),
+        ValueKind::Declared => {
+            return "{ value = , tolerance = }, the tolerance at least 0".into();
+        }
+        ValueKind::Table => return String::new(),
     };
     for value in wrong {
         for kind in KINDS {

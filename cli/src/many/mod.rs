@@ -10,10 +10,11 @@ use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::summary::Summary;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One of many tests.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct OneOfMany {
     /// The value of the key; the number of a drawn rig.
     pub value: f64,
@@ -25,7 +26,7 @@ pub struct OneOfMany {
 }
 
 /// What tests on drawn rigs came to.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Outcome {
     /// Under which compensation.
     #[serde(skip)]

@@ -3,6 +3,7 @@
 use experiment::bench::OnBoard;
 use experiment::trace::{AnyRecord, TestObserver};
 use outerloop_core::{EnergyWords, flag};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Figures that are formed while the rig moves.
@@ -61,7 +62,7 @@ impl TestObserver for Ledger {
 }
 
 /// How a session ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SessionVerdict {
     /// The client said its last message.
@@ -79,7 +80,7 @@ pub enum SessionVerdict {
 }
 
 /// The figures of a session. The keys are a contract.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct SessionSummary {
     /// Address of the client.
     pub client: String,

@@ -17,6 +17,7 @@ use experiment::stability::perturbed::Spread;
 use experiment::stability::small_motion::Learning;
 use experiment::stability::{self, Stability};
 use experiment::summary::GOOD_EPS_RMS;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -98,7 +99,7 @@ impl Check {
             stability::answer(&question, &spread, || progress.add(1))?
         };
         let judgement = judge(&experiment, &spread, &answer)?;
-        let whole = Whole {
+        let whole = CheckAnswer {
             judgement: &judgement,
             answer: &answer,
         };
@@ -178,7 +179,7 @@ fn judge(
 /// What is said; for a page the planned motion runs again, with every step kept.
 fn document(
     experiment: &Experiment,
-    whole: &Whole<'_>,
+    whole: &CheckAnswer<'_>,
     with_page: bool,
 ) -> Result<Document, Failure> {
     let mut section = CheckSection {
@@ -208,8 +209,8 @@ fn document(
 }
 
 /// All that is found out, as JSON.
-#[derive(Serialize)]
-struct Whole<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct CheckAnswer<'a> {
     #[serde(flatten)]
     judgement: &'a Judgement,
     #[serde(flatten)]

@@ -13,6 +13,7 @@ use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles, without_force_unit};
 use experiment::files::{look_ahead, model, output};
 use plant::Channel;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -126,7 +127,7 @@ impl Diagnose {
         out: Option<&Path>,
     ) -> Result<(), Failure> {
         let designed = next.zip(self.next.as_deref());
-        let answer = Answer {
+        let answer = DiagnosisAnswer {
             diagnosis,
             next: designed.map(|(design, file)| Designed { file, design }),
         };
@@ -171,8 +172,8 @@ impl Diagnose {
 }
 
 /// A diagnosis as JSON, and the next test where one was asked for.
-#[derive(Serialize)]
-struct Answer<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct DiagnosisAnswer<'a> {
     #[serde(flatten)]
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -180,8 +181,8 @@ struct Answer<'a> {
 }
 
 /// The next test as JSON.
-#[derive(Serialize)]
-struct Designed<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Designed<'a> {
     file: &'a Path,
     #[serde(flatten)]
     design: &'a Next,

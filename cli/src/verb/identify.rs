@@ -14,6 +14,7 @@ use experiment::files::{decode, look_ahead, output};
 use experiment::frequency_response::{FrequencyResponse, frequency_response};
 use experiment::rig::Quantity;
 use experiment::rig::declared::configured_times;
+use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Table, value};
 
@@ -95,8 +96,8 @@ impl Identify {
 }
 
 /// What `--json` says.
-#[derive(serde::Serialize)]
-struct IdentifiedOverFrequency {
+#[derive(serde::Serialize, JsonSchema)]
+pub(crate) struct IdentifiedOverFrequency {
     #[serde(flatten)]
     found: Identified,
     /// With `--out` alone.

@@ -10,6 +10,7 @@ use crate::terminal::{Progress, interrupt};
 use diagnosis::{Diagnosis, Model};
 use experiment::failure::Failure;
 use experiment::files::{look_ahead, model, record_csv};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -36,15 +37,15 @@ pub struct Improve {
 }
 
 /// All rows as JSON.
-#[derive(Serialize)]
-struct Rows<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct ImprovementRows<'a> {
     place: RigKind,
-    rows: Vec<JsonRow<'a>>,
+    rows: Vec<ImprovementRow<'a>>,
 }
 
 /// A row as JSON.
-#[derive(Serialize)]
-struct JsonRow<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct ImprovementRow<'a> {
     test: String,
     undeclared: String,
     found: String,
@@ -94,7 +95,7 @@ impl Improve {
         }
         let named: Vec<(String, &Improvement)> =
             files.iter().map(|f| stem(f)).zip(&stories).collect();
-        let rows = Rows {
+        let rows = ImprovementRows {
             place: self.place.kind(),
             rows: named.iter().map(|(name, s)| row(name, s)).collect(),
         };
@@ -144,8 +145,8 @@ impl Improve {
     }
 }
 
-fn row<'a>(name: &str, s: &'a Improvement) -> JsonRow<'a> {
-    JsonRow {
+fn row<'a>(name: &str, s: &'a Improvement) -> ImprovementRow<'a> {
+    ImprovementRow {
         test: name.to_owned(),
         undeclared: s.undeclared(),
         found: Improvement::named(&s.diagnosis),

@@ -51,7 +51,7 @@ impl Keys {
             }
         }
         if self.markdown {
-            answer!("{}", keys::markdown(&groups).trim_end());
+            answer!("{}", keys::markdown(&groups)?.trim_end());
         } else if self.schema {
             answer!("{}", json(&keys::schema(&groups))?);
         } else if self.json {
@@ -61,9 +61,8 @@ impl Keys {
                 let head = ["key", "unit", "default", "accepted", "meaning"];
                 let mut t = table(&head).with_words(5).of_text();
                 for key in &group.keys {
-                    let name = key.path.rsplit('.').next().unwrap_or(&key.path);
                     t.add_row([
-                        name,
+                        key.name(),
                         key.unit,
                         key.default.as_deref().unwrap_or(""),
                         &key.accepted,
@@ -74,6 +73,32 @@ impl Keys {
                 answer!("{}", output::for_reading(&text));
             }
         }
+        Ok(())
+    }
+}
+
+/// Print the JSON Schema of a file or of an answer
+#[derive(clap::Args, Debug)]
+pub struct Schema {
+    /// `test`, `model`, or the verb whose --json is meant; left out: what there is
+    what: Option<String>,
+}
+
+impl Schema {
+    /// Prints it.
+    ///
+    /// # Errors
+    /// A name that has none.
+    pub fn run(&self) -> Result<(), Failure> {
+        let all = keys::SCHEMAS.map(|(name, _)| name).join(", ");
+        let Some(what) = &self.what else {
+            answer!("{all}");
+            return Ok(());
+        };
+        let found = keys::SCHEMAS.iter().find(|(name, _)| name == what);
+        let (_, schema) =
+            found.ok_or_else(|| Failure::input(format!("schema {what}: accepted are {all}")))?;
+        answer!("{}", json(&schema())?);
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! `outerloop new`: a commented test file, a declared model, or a signal, to begin with.
 
 use crate::keys;
+use askama::Template;
 use experiment::failure::Failure;
 use experiment::files::signal::{SignalPoints, SignalShape};
 use experiment::files::test::TestFile;
@@ -137,6 +138,8 @@ impl New {
 }
 
 /// What a person says of the structure and the rig.
+#[derive(Template)]
+#[template(path = "new.toml", escape = "none")]
 struct RigInWords {
     storeys: usize,
     mass_kg: f64,
@@ -197,7 +200,7 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
         "Ground motion, a file [the built-in near-fault record]",
         from,
     )?;
-    Ok(RigInWords {
+    let rig = RigInWords {
         storeys: storeys as usize,
         mass_kg,
         stiffness_n_per_m: stiffness * 1e3,
@@ -207,8 +210,9 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
         stroke_mm,
         force_kn,
         record,
-    }
-    .text())
+    };
+    let text = rig.render().map(|text| text + "\n");
+    text.map_err(|e| Failure::test(format!("the test file cannot be written: {e}")))
 }
 
 /// A number in `unit` between `low` and `high`; asks again until the answer is one.
@@ -253,108 +257,23 @@ fn line(question: &str, from: &mut dyn BufRead) -> Result<String, Failure> {
 }
 
 impl RigInWords {
-    fn text(&self) -> String {
-        let each = |x: f64| match self.storeys {
-            1 => format!("{x}"),
-            n => format!("[{}]", vec![format!("{x}"); n].join(", ")),
-        };
-        // The lowest mode of a uniform shear frame: 2 sin(pi / (4 n + 2)) sqrt(k / m).
-        let share = 2.0 * (std::f64::consts::PI / (4 * self.storeys + 2) as f64).sin();
-        let hz = share * (self.stiffness_n_per_m / self.mass_kg).sqrt() / TAU;
-        let (kind, lag) = if self.lag_ms > 0.0 {
-            (
-                "lag_delay",
-                format!("lag_ms = {:<14}# first-order time constant\n", self.lag_ms),
-            )
-        } else {
-            ("delay", String::new())
-        };
-        let watched = self.watched();
-        let record = if self.record.is_empty() {
-            "# record = \"KOBE.AT2\"   # a file beside this one; left out: the built-in near-fault record\n".to_owned()
-        } else {
-            format!("record = {:?}\n", self.record)
-        };
-        format!(
-            "# A fast pseudodynamic test. `outerloop keys` lists every key with unit, default and meaning.\n\
-             #\n\
-             #   outerloop check FILE           may it be run? before anything moves\n\
-             #   outerloop run FILE --out out   the test on the simulated rig, with a report\n\
-             \n\
-             [structure]               # from the ground up; its lowest natural frequency is about {} Hz\n\
-             mass_kg = {}\n\
-             stiffness_n_per_m = {}\n\
-             damping_ratio = {}\n\
-             \n\
-             [loop]\n\
-             rate_hz = 2000            # control steps in a second\n\
-             time_scale = 1            # 1: real time, 10: ten times slower\n\
-             \n\
-             [compensation]\n\
-             kind = \"paper\"            # `outerloop run --help` lists all\n\
-             delay_ms = {:<15}# what the compensation is told: delay and lag of the actuator\n\
-             \n\
-             [limits]                  # the test trips beyond them\n\
-             displacement_m = {}\n\
-             force_n = {}\n\
-             \n\
-             [excitation]\n\
-             {record}\
-             peak_response_mm = {:<7}# the motion is scaled until the linear structure moves so far\n\
-             \n\
-             {watched}\
-             [plant.actuator]          # the simulated rig; `outerloop identify RECORD --write FILE` fills this in\n\
-             kind = \"{kind}\"\n\
-             delay_ms = {:<15}# transport delay\n\
-             {lag}\
-             \n\
-             [plant.specimen]\n\
-             kind = \"linear\"           # or bilinear, bouc_wen: then yield_mm as well\n\
-             \n\
-             [plant.sensors]\n\
-             displacement_noise_mm = 0 # rms\n\
-             force_noise_n = 0         # rms\n",
-            three(hz),
-            each(self.mass_kg),
-            each(self.stiffness_n_per_m),
-            each(self.damping_ratio),
-            self.delay_ms + self.lag_ms,
-            self.stroke_mm / 1e3,
-            self.force_kn * 1e3,
-            self.peak_mm(),
-            self.delay_ms,
-        )
+    /// A value for each storey.
+    fn each(&self, value: &f64) -> String {
+        match self.storeys {
+            1 => format!("{value}"),
+            n => format!("[{}]", vec![format!("{value}"); n].join(", ")),
+        }
     }
 
-    /// What the rig watch compares the running test with, and what it may do.
-    fn watched(&self) -> String {
-        // Of several floors the force of one depends on its neighbours.
-        let specimen = match self.storeys {
-            1 => format!(
-                "[declared.specimen]\nstiffness_n_per_mm = {{ value = {}, tolerance = {} }}\n\n",
-                1e-3 * self.stiffness_n_per_m,
-                three(0.05e-3 * self.stiffness_n_per_m)
-            ),
-            _ => String::new(),
-        };
-        format!(
-            "[declared.actuator]       # what the rig watch compares the running test with; `outerloop identify RECORD` finds it\n\
-             gain = {{ value = 1, tolerance = 0.01 }}\n\
-             delay_ms = {{ value = {}, tolerance = {} }}\n\
-             lag_ms = {{ value = {}, tolerance = {} }}\n\
-             \n\
-             {specimen}\
-             [watch]                   # what departs from [declared] is named while the test runs\n\
-             on = true                 # a sensor that stands stops the test\n\
-             guard = true              # a compensation that learns is held while the displacement transducer may be wrong\n\
-             correct = []              # or \"lateness\", \"gain\", \"late_sensor\": what the loop corrects for once it is named\n\
-             # trip_eps = 0.1          # stop where what is named will bring the error beyond it, of the peak\n\
-             \n",
-            self.delay_ms,
-            three(0.1 * self.delay_ms + 0.2),
-            self.lag_ms,
-            three(0.1 * self.lag_ms),
-        )
+    /// The lowest mode of a uniform shear frame: 2 sin(pi / (4 n + 2)) sqrt(k / m).
+    fn lowest_hz(&self) -> String {
+        let share = 2.0 * (std::f64::consts::PI / (4 * self.storeys + 2) as f64).sin();
+        three(share * (self.stiffness_n_per_m / self.mass_kg).sqrt() / TAU)
+    }
+
+    /// How well a value is known that somebody answered: to this share of it, and to no less than `least`.
+    fn tolerance(value: &f64, share: f64, least: f64) -> String {
+        three(share * value + least)
     }
 
     /// Two thirds of what the rig may see, in displacement and force.

@@ -9,6 +9,7 @@ use crate::terminal::Progress;
 use experiment::failure::Failure;
 use experiment::files::channels;
 use experiment::trace::Trace;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub struct Replay {
 }
 
 /// What a replay found.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct ReplayResult {
     steps: usize,
     channels: usize,

@@ -16,6 +16,7 @@ use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
 use experiment::trace::{Response, TestObserver};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// On the simulated rig, on a board, or on an emulated one.
@@ -47,7 +48,7 @@ pub struct MovedActuator {
 }
 
 /// The kind of rig that a test ran on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RigKind {
     /// The simulated rig, in this process.

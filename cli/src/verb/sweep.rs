@@ -12,6 +12,7 @@ use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::stability::perturbed::Spread;
 use experiment::stability::variation::Variation;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -97,8 +98,8 @@ const SPREAD: Spread = Spread {
 const TOGETHER: usize = 4;
 
 /// What a sweep came to.
-#[derive(Serialize)]
-struct SweepResult<'a> {
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct SweepResult<'a> {
     /// Path of the key.
     path: &'a str,
     /// Each test.

@@ -1,6 +1,7 @@
 //! `outerloop keys` and `new`: the page is what the code says, and what they write is accepted.
 
 use crate::common::{command, json, outerloop, refused, root};
+use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
 
@@ -85,6 +86,150 @@ fn ranges_defaults_and_names_come_from_the_code() {
         assert!(k["accepted"].as_str().unwrap().contains(accepted), "{k}");
     }
     refused(&["keys", "no such thing"], &["no such thing"]);
+}
+
+/// What a verb answers with these arguments is what its schema says, and a value that is not is found.
+#[track_caller]
+fn is_as_its_schema_says(schema: &str, answer: &Value, without: &str) {
+    let schema = json(&["schema", schema]);
+    let known = jsonschema::validator_for(&schema).unwrap();
+    let wrong: Vec<String> = known
+        .iter_errors(answer)
+        .map(|e| format!("{}: {e}", e.instance_path()))
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // Every key of the answer is one of the schema's.
+    for key in answer.as_object().unwrap().keys() {
+        assert!(
+            schema["properties"][key].is_object(),
+            "{key} is in no schema"
+        );
+    }
+    let mut other = answer.clone();
+    other.as_object_mut().unwrap().remove(without).unwrap();
+    assert!(!known.is_valid(&other), "{without} may be left out");
+}
+
+#[test]
+fn every_answer_is_as_its_schema_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = |name: &str| folder.path().join(name).display().to_string();
+    let model = "[actuator]\ndelay_ms = { value = 3, tolerance = 0.5 }\n\
+                 [specimen]\nstiffness_n_per_mm = { value = 158, tolerance = 2 }\n";
+    let declared = inside("model.toml");
+    std::fs::write(&declared, model).unwrap();
+    let (first, second) = (inside("first"), inside("second"));
+    let record = format!("{first}/record.csv");
+    let (train, test) = (format!("{record}@..9"), format!("{record}@9.."));
+    let example = "examples/table1.toml";
+    let rows: [(&str, Vec<&str>, &str); 10] = [
+        (
+            "run",
+            vec!["run", example, "--duration", "14", "--out", &first],
+            "eps_rms",
+        ),
+        (
+            "run",
+            vec![
+                "run",
+                "examples/coupled-frame.toml",
+                "--duration",
+                "2",
+                "--out",
+                &second,
+            ],
+            "verdict",
+        ),
+        (
+            "compare",
+            vec![
+                "compare",
+                example,
+                "--duration",
+                "4",
+                "--compensations",
+                "paper,amb",
+            ],
+            "rows",
+        ),
+        ("check", vec!["check", example, "--plants", "2"], "modes"),
+        (
+            "check-coupled",
+            vec!["check", "examples/coupled-frame.toml", "--plants", "1"],
+            "lost",
+        ),
+        (
+            "sweep",
+            vec![
+                "sweep",
+                example,
+                "--over",
+                "excitation.scale=1,2",
+                "--duration",
+                "4",
+            ],
+            "path",
+        ),
+        (
+            "monte-carlo",
+            vec!["sweep", example, "--drawn", "3", "--duration", "4"],
+            "completed",
+        ),
+        (
+            "diagnose",
+            vec![
+                "diagnose", "--model", &declared, "--train", &train, "--test", &test,
+            ],
+            "channels",
+        ),
+        ("identify", vec!["identify", &record], "delay_ms"),
+        ("diff", vec!["diff", &first, &first], "channels"),
+    ];
+    for (schema, arguments, without) in rows {
+        let output = outerloop(&[&arguments[..], &["--json"]].concat());
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        is_as_its_schema_says(schema, &answer, without);
+    }
+    refused(&["schema", "no-such"], &["no-such", "monte-carlo"]);
+}
+
+#[test]
+fn a_test_file_and_a_model_are_as_their_schemas_say() {
+    let test = json(&["schema", "test"]);
+    let known = jsonschema::validator_for(&test).unwrap();
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(root().join("examples").join(name)).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        serde_json::to_value(table).unwrap()
+    };
+    for example in [
+        "table1",
+        "steel-frame",
+        "three-storey",
+        "hybrid",
+        "coupled-frame",
+        "rig-watch",
+    ] {
+        let file = read(&format!("{example}.toml"));
+        let wrong: Vec<String> = known
+            .iter_errors(&file)
+            .map(|e| format!("{}: {e}", e.instance_path()))
+            .collect();
+        assert!(wrong.is_empty(), "{example}: {wrong:#?}");
+    }
+    let mut file = read("table1.toml");
+    file["loop"]["rate"] = 2000.into();
+    assert!(!known.is_valid(&file), "an unknown key");
+    let mut file = read("table1.toml");
+    file["plant"]["actuator"]["kind"] = "delayed".into();
+    assert!(!known.is_valid(&file), "an unknown name");
+    let model = json(&["schema", "model"]);
+    let known = jsonschema::validator_for(&model).unwrap();
+    let declared = read("table1.toml")["declared"].clone();
+    assert!(declared.is_null() || known.is_valid(&declared));
+    let own = serde_json::json!({ "actuator": { "delay_ms": { "value": 4.0, "tolerance": 1.0 } } });
+    assert!(known.is_valid(&own));
+    assert!(!known.is_valid(&serde_json::json!({ "actuator": { "delay_ms": 4.0 } })));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::method::Method;
 /// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Secant {
@@ -22,6 +23,7 @@ pub type OwnParameters = heapless::Vec<f64, 8>;
 /// Compensation: which method, and the parameters of all.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Compensation {
     /// Which method.
@@ -65,12 +67,14 @@ pub struct Compensation {
     /// The actuator that `hydraulic` inverts. Left out: one that is late by `delay_ms`.
     pub hydraulic: Option<Hydraulic>,
     /// Parameters of a method that the program brings itself, in its order; at most eight numbers.
+    #[cfg_attr(feature = "schema", schemars(with = "super::OneOrEach"))]
     pub own: OwnParameters,
 }
 
 /// Adaptive model-based compensation.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Amb {
     /// Gains of the adaptation of the four coefficients, in powers of metre and second.
@@ -92,6 +96,7 @@ impl Default for Amb {
 /// A servo-hydraulic actuator with its specimen, in the letters of the benchmark problem (Silva et al. 2020).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Hydraulic {
     /// Gain of valve and actuator.
@@ -156,6 +161,7 @@ impl Hydraulic {
 /// How adaptive predictors learn. Times are of the laboratory.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Adaptation {
     /// Time constant of the learning, s.
@@ -188,6 +194,7 @@ impl Default for Adaptation {
 /// The tangent force.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Tangent {
     /// Shortest way over which a secant is formed, m.

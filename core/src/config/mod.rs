@@ -19,6 +19,16 @@ pub const MAX_DOF: usize = 8;
 /// One value for each floor, from the ground up.
 pub type PerFloor = Vec<f64, MAX_DOF>;
 
+/// One value, or one for each: as people write such lists.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[allow(dead_code)]
+pub(crate) enum OneOrEach {
+    One(f64),
+    Each(&'static [f64]),
+}
+
 /// A whole test, as the test file and the link carry it.
 ///
 /// ```
@@ -35,6 +45,7 @@ pub type PerFloor = Vec<f64, MAX_DOF>;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Config {
     /// The structure, a shear frame.
@@ -93,25 +104,31 @@ impl Config {
 /// The structure, listed from the ground up.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct StructureConfig {
     /// Mass of each floor, kg.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub mass_kg: PerFloor,
     /// Stiffness of each storey, N/m: the best that is known of it.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub stiffness_n_per_m: PerFloor,
     /// Damping ratio of each mode, as a fraction of critical.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub damping_ratio: PerFloor,
     /// How many storeys, from the ground up, stand in the laboratory; left out: all.
     #[cfg_attr(feature = "serde", serde(default))]
     pub physical_storeys: Option<u8>,
     /// Mass that hangs on each load cell, kg; left out: none.
     #[cfg_attr(feature = "serde", serde(default))]
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub physical_mass_kg: PerFloor,
 }
 
 /// Rates, times and the shape of the command.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Timing {
     /// Control rate, Hz.
@@ -151,6 +168,7 @@ impl Default for Timing {
 /// How displacement and force are estimated from the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Filter {
@@ -166,6 +184,7 @@ pub enum Filter {
 /// The estimator and what is known of the rig.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Estimation {
     /// Which filter.
@@ -210,6 +229,7 @@ impl Default for Estimation {
 /// Interlocks. A limit left out is off; only the check for finite numbers is always on.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Limits {
     /// Largest command, m. The measured displacement, corrected for known errors of its sensor, may be 3 % larger.

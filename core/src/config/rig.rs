@@ -16,26 +16,36 @@ pub type PerActuator = Vec<f64, MAX_ACTUATORS>;
 /// has. The record keeps the samples as they came.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct RigConfig {
     /// True displacement per command.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub command_gain: PerActuator,
     /// True displacement at command 0, m. What is sent for a target is `(target - command_offset_m) / command_gain`.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub command_offset_m: PerActuator,
     /// Measured displacement per true displacement.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub displacement_gain: PerActuator,
     /// Measured displacement where the true one is 0, m.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub displacement_offset_m: PerActuator,
     /// Measured force per true force.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub force_gain: PerActuator,
     /// Measured force where the true one is 0, N.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub force_offset_n: PerActuator,
     /// By how much the force channel is behind the displacement channel, ms of laboratory time; negative: ahead. The
     /// channel that is ahead is held back, so that both are of the same instant.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub force_late_ms: PerActuator,
     /// Friction of the bearings that the load cell feels and the structure does not have, N.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub bearing_friction_n: PerActuator,
     /// Displacement in which this friction builds up, m.
+    #[cfg_attr(feature = "schema", schemars(with = "crate::config::OneOrEach"))]
     pub bearing_presliding_m: PerActuator,
 }
 

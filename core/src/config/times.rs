@@ -6,7 +6,10 @@ use core::fmt;
 
 /// A time of the actuators, ms of laboratory time: one for all, or one for each from the ground up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ActuatorTimes(PerActuator);
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ActuatorTimes(
+    #[cfg_attr(feature = "schema", schemars(with = "super::OneOrEach"))] PerActuator,
+);
 
 impl ActuatorTimes {
     /// One for each actuator. `None` if the list is empty or too long.

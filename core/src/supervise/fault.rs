@@ -118,8 +118,10 @@ impl<'de> serde::Deserialize<'de> for Fault {
 /// The first fault of a test, latched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Trip {
     /// Why.
+    #[cfg_attr(feature = "schema", schemars(with = "u8"))]
     pub fault: Fault,
     /// The axis, from 0.
     pub axis: u8,

@@ -8,11 +8,12 @@ use crate::answer::Errors;
 use crate::declared::Declared;
 use crate::interval::{NINETY, improvement};
 use crate::signals::{difference, mean, rms};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// What is said of a coordinate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CoupledVerdict {
     /// The record fits what is declared.
@@ -28,7 +29,7 @@ pub enum CoupledVerdict {
 }
 
 /// An entry that is not what it was declared to be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WrongEntry {
     /// The matrix, [`MATRICES`].
     pub matrix: &'static str,
@@ -62,7 +63,7 @@ pub struct CoupledTraces {
 }
 
 /// What is said of the force on one coordinate.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CoordinateAnswer {
     /// Its name.
     pub coordinate: String,
@@ -86,7 +87,7 @@ pub struct CoordinateAnswer {
 }
 
 /// What is wrong in a declared specimen of several coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CoupledDiagnosis {
     /// How long it took.
     pub seconds: f64,

@@ -2,6 +2,7 @@
 
 use crate::declared::{Declared, LARGEST_TOLERANCE};
 use crate::refusal::Refusal;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The matrices, in the order of the unknowns of a row: what a displacement, a velocity and an acceleration is multiplied by.
@@ -12,7 +13,7 @@ const MOST_COORDINATES: usize = 8;
 
 /// Stiffness, damping and mass of a specimen of several coordinates. Entry `[i][j]` is the force on coordinate `i` by the
 /// motion of coordinate `j`, in N, N m, m, rad and s.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledSpecimen {
     /// Names, each with its unit at the end: `x_m`, `rotation_rad`. The first is axis 1 of a record.

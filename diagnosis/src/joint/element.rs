@@ -4,10 +4,11 @@ use super::laws;
 use super::track::{MotionScales, Track};
 use crate::library::operators::{relaxed, slider, travel};
 use crate::linear::Bound;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The law of an element; what its shape holds is in brackets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
     /// Elastic, then it slides [yield displacement mm].

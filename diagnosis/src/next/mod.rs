@@ -27,10 +27,11 @@ use phase::Played;
 use plant::{Channel, Effect};
 use predict::Planned;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What one of the possible causes predicts of the next test.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Prediction {
     /// What it has that the declared model lacks; none: nothing.
     pub name: Option<Effect>,
@@ -51,7 +52,7 @@ pub struct Prediction {
 }
 
 /// A number of the model and how well it will be known.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Narrowed {
     /// Its name, ending with its unit.
     pub name: String,
@@ -64,7 +65,7 @@ pub struct Narrowed {
 }
 
 /// What the next test is expected to show of a channel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Outlook {
     /// Which channel.
     pub channel: Channel,
@@ -91,7 +92,7 @@ pub struct Outlook {
 }
 
 /// A designed test.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Next {
     /// What it keeps inside.
     pub limits: TestLimits,

@@ -1,11 +1,12 @@
 //! What a test is put together from: motions around a middle that begin and end at rest there.
 
 use super::test_limits::TestLimits;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// The form of a phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
     /// Nothing moves.
@@ -37,7 +38,7 @@ impl Form {
 }
 
 /// A part of a test.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Phase {
     /// Its form.
     pub form: Form,

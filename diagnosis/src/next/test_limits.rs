@@ -4,10 +4,11 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
 use crate::spectrum;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Where a limit comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
     /// The model's table `[limits]`.
@@ -18,7 +19,7 @@ pub enum Origin {
 }
 
 /// Between which places, how fast and with which force a test may go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TestLimits {
     /// Middle of the way, mm.
     pub middle_mm: f64,

@@ -5,6 +5,7 @@ use link::reply::Identity;
 use link::telemetry::{Input, MAX_INPUTS, StepReport};
 use link::{CodeRange, MAX_ACTUATORS};
 use outerloop_core::Fault;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -17,7 +18,7 @@ const DRIFT_SHARE: f64 = 0.001;
 const GAIN_SHARE: f64 = 0.01;
 
 /// The further inputs of a running test.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FurtherInputs {
     /// Largest distance of a command as read back at its converter from the command as sent, m, of any actuator.
     pub command_off_m: Option<f64>,

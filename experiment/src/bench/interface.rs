@@ -7,6 +7,7 @@ use crate::trace::TestObserver;
 use link::status::Timing;
 use outerloop_core::coupled::{CoupledRig, Plant};
 use outerloop_core::{Config, Design, DirectRig, Fault, GroundMotion, Mode, Rig, Trip};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A test, ready to run.
@@ -44,7 +45,7 @@ pub struct Ending {
 }
 
 /// What a board reports beside the test.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct OnBoard {
     /// Its name.
     pub board: String,
@@ -59,6 +60,7 @@ pub struct OnBoard {
     /// Received steps whose record the PC could not work out again with the same bits.
     pub steps_different: u64,
     /// Times of the control step on the board.
+    #[schemars(with = "Option<std::collections::BTreeMap<String, u32>>")]
     pub timing: Option<Timing>,
     /// Cycles of its processor in a second.
     pub clock_hz: u32,

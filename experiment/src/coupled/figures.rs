@@ -6,13 +6,14 @@ use super::settings::{NAMED, plant_of};
 use super::table::CoupledCompensation;
 use outerloop_core::Trip;
 use outerloop_core::coupled::Plant;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What an axis of a fault is: the actuators, then the interface.
 const AXES: [&str; 4] = ["actuator 1", "actuator 2", "x", "rotation"];
 
 /// A number of the actuators: what was declared, what the test found, what the simulated rig has.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FoundNumber {
     /// Its key in `[coupled.actuators]`.
     pub name: &'static str,
@@ -27,7 +28,7 @@ pub struct FoundNumber {
 }
 
 /// What stands beside the figures of other tests.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CoupledFigures {
     /// What tripped: an actuator, x or the rotation.
     pub trip_axis: Option<&'static str>,

@@ -7,11 +7,12 @@ use outerloop_core::{Config, Method, config::Limits, config::Timing};
 use plant::RigSpec;
 use plant::coupled::{CoupledRig, CoupledRigSpec};
 use plant::measurement::SensorsSpec;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 /// What is declared of two coupled actuators, and the rig that stands in for them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CoupledPart {
     /// What is declared.
     pub declared: CoupledTable,
@@ -20,7 +21,7 @@ pub struct CoupledPart {
 }
 
 /// The table `[plant]` of such a file.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PlantTable {
     #[serde(default)]

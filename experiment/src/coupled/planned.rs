@@ -15,10 +15,11 @@ use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A limit, and how much of it the planned motion takes.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LimitUse {
     /// Its key in `[coupled.limits]`.
     pub name: &'static str,
@@ -35,7 +36,7 @@ pub struct LimitUse {
 }
 
 /// What the check says. The keys that other checks have, too, mean the same.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CoupledCheck {
     /// The verdict.
     pub verdict: SoundnessVerdict,

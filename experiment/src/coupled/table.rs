@@ -2,10 +2,11 @@
 
 use plant::PerAxis;
 use plant::coupled::{ActuatorPairSpec, CouplerSpec};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A test of two actuators on one coupler, which move the interface in x and in rotation. It stands in place of `[structure]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledTable {
     /// How commands are made of targets: `none` sends the strokes of the target; `uncoupled` inverts each actuator alone;
@@ -40,7 +41,7 @@ fn five() -> f64 {
 }
 
 /// How commands are made of targets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CoupledCompensation {
     /// The strokes of the target.
@@ -80,7 +81,7 @@ impl CoupledCompensation {
 }
 
 /// The structure. Its first two coordinates are x and rotation of the interface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledStructure {
     /// Names of the coordinates, each ending with its unit, `_m` or `_rad`: two to eight, the first a displacement, the second a
@@ -103,7 +104,7 @@ fn x_and_rotation() -> Vec<String> {
 }
 
 /// What of the structure stands in the laboratory, as declared; rows and columns are x and rotation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PhysicalPart {
     /// Stiffness, N/m, N/rad, N m/rad; symmetric.
@@ -118,7 +119,7 @@ pub struct PhysicalPart {
 
 /// Relative standard deviations of what is declared of the actuators: what `coupled` estimates while the test runs. 0: taken
 /// as declared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpreadTable {
     /// Of the slow poles, 0 to 0.5.
@@ -136,7 +137,7 @@ pub struct SpreadTable {
 }
 
 /// What the rig may do, in both systems of coordinates; all of them have to be given, but for the last two.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledLimits {
     /// Largest stroke that is commanded, m.
@@ -180,7 +181,7 @@ fn hidden() -> f64 {
 }
 
 /// How the target's derivatives are found: modes of the structure, driven by the ground, in step with the target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObserverTable {
     /// Noise of the targets, of the limits of x and rotation.

@@ -1,10 +1,11 @@
 //! `[serve]`: how a rig serves a program outside.
 
 use outerloop_core::Pace;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The `[serve]` table of a test file.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// How the actuator goes from target to target: `stop_and_go` or `continuous`.
@@ -39,7 +40,7 @@ impl Default for Settings {
 }
 
 /// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Length {
     /// m.
     #[serde(rename = "m")]
@@ -72,7 +73,7 @@ impl Length {
 }
 
 /// A unit of force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Force {
     /// N.
     #[serde(rename = "N")]

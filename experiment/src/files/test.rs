@@ -13,6 +13,7 @@ use crate::trace::Trace;
 use diagnosis::Model;
 use outerloop_core::Config;
 use plant::RigSpec;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -43,7 +44,7 @@ pub struct TestFile {
 }
 
 /// `[board]`: what a board has to be to run the test.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BoardWanted {
     /// Number of its calibration, eight hexadecimal digits as `outerloop board calibrate` shows it.
@@ -74,7 +75,7 @@ impl BoardWanted {
 }
 
 /// `[excitation]`: which ground motion, how strong, how long.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Excitation {
     /// A file, relative to the test file; left out: the built-in near-fault record.

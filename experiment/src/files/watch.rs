@@ -1,10 +1,11 @@
 //! `[watch]` of a test file.
 
 use outerloop_core::watch::Corrections;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `[watch]`: whether the running test is watched for what its declared model lacks, and what the watch may do about it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WatchSettings {
     /// Watch the running test: name what the rig does otherwise than declared, and stop the test where a sensor stands still.

@@ -1,9 +1,10 @@
 //! What of a displacement is no linear answer to its command.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How the command allows for telling distortion from noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Excitation {
     /// A sine whose frequency moves.
@@ -13,7 +14,7 @@ pub enum Excitation {
 }
 
 /// Distortion and noise, rms, each at a frequency of the command.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Distortion {
     /// What the command is.
     pub excitation: Excitation,
@@ -22,7 +23,7 @@ pub struct Distortion {
 }
 
 /// Distortion at one frequency of the command; all rms.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DistortionLine {
     /// Frequency of the command, Hz; of a multisine that of the line.
     pub hz: f64,

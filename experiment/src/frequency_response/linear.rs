@@ -1,6 +1,7 @@
 //! Gain, phase and coherence by averaged cross spectra.
 
 use fourier::Complex;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Hann windows that overlap by half.
@@ -13,7 +14,7 @@ const MOVES: f64 = 0.9995;
 const MOST_LINES: usize = 400;
 
 /// The answer at a frequency.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ResponseLine {
     /// Frequency, Hz.
     pub hz: f64,

@@ -20,10 +20,11 @@ pub use linear::ResponseLine;
 
 use crate::failure::Failure;
 use diagnosis::Recording;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// An actuator over frequency.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FrequencyResponse {
     /// Lines at which the command moves, ascending.
     pub lines: Vec<ResponseLine>,

@@ -8,11 +8,12 @@ use diagnosis::{ActuatorModel, Declared, ForceUnit, Model, SpecimenModel};
 use outerloop_core::Config;
 use plant::actuator::{ActuatorKind, ActuatorSpec};
 use plant::{EffectSpec, PerAxis, RigSpec};
+use schemars::JsonSchema;
 use serde::Serialize;
 use toml::{Table, Value};
 
 /// Where the delay comes from that the compensation expects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Expected {
     /// `[declared.actuator]`.

@@ -30,10 +30,11 @@ use outerloop_core::{Config, Force, Method, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The answer. In this order the exit status is 0, 1 and 2.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SoundnessVerdict {
     /// It may be run; its error is the expected one.
@@ -68,7 +69,7 @@ impl SoundnessVerdict {
 }
 
 /// A verdict with what it stands on.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Judgement {
     /// The answer.
     pub verdict: SoundnessVerdict,

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use nalgebra::{Complex, DVector};
 use outerloop_core::{Config, Force, Method};
 use plant::RigSpec;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -33,7 +34,7 @@ pub struct Question<'a> {
 }
 
 /// The small motions of a test under one compensation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SmallMotions {
     /// Its name.
     pub compensation: &'static str,
@@ -63,7 +64,7 @@ impl SmallMotions {
 }
 
 /// A mode of the closed loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LoopMode {
     /// Natural frequency that the structure has, Hz of model time.
     pub structure_hz: f64,

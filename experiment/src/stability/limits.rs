@@ -9,10 +9,11 @@ use crate::rig::{Departures, Quantity};
 use outerloop_core::Prediction;
 use outerloop_core::config::Filter;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A quantity, its limit and what is between.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
@@ -35,7 +36,7 @@ impl StabilityLimit {
 }
 
 /// The limits of a loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StabilityLimits {
     /// Delay of the measured behind the commanded displacement at the first natural frequency, ms of the laboratory.
     pub delay: StabilityLimit,
@@ -46,7 +47,7 @@ pub struct StabilityLimits {
 }
 
 /// A part of the delay.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DelayPart {
     /// Which.
     pub part: &'static str,

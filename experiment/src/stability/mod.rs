@@ -33,13 +33,14 @@ use limits::{DelayPart, StabilityLimits};
 use outerloop_core::Method;
 use perturbed::{Perturbed, Spread};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use small_motion::Learning;
 use structure_modes::StructureModes;
 use variation::Variation;
 
 /// What is found out about a test.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Stability {
     /// The compensation that was asked about, and its small motions.
     #[serde(flatten)]

@@ -2,9 +2,10 @@
 
 use outerloop_core::Config;
 use plant::{Effect, EffectSpec, PerAxis, RigSpec};
+use schemars::JsonSchema;
 
 /// What differs from the rig as it is declared.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, JsonSchema)]
 pub struct Variation {
     /// Factor on every time of the actuator.
     pub delay: f64,

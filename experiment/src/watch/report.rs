@@ -1,10 +1,11 @@
 //! What the watch had to say of a test, as data and in words.
 
 use crate::numbers::three;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A cause that was named. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NamedCause {
     /// The effect's name in the catalogue.
     pub name: &'static str,
@@ -25,7 +26,7 @@ pub struct NamedCause {
 }
 
 /// A change of state or set. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WatchEvent {
     /// When, s of the model from the first control step of the running test.
     pub t_s: f64,
@@ -40,7 +41,7 @@ pub struct WatchEvent {
 }
 
 /// A correction as it was changed: 50 ms or more after the last one. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CorrectionStep {
     /// When it was asked for, s of the model from the first control step of the running test.
     pub t_s: f64,
@@ -58,7 +59,7 @@ pub struct CorrectionStep {
 }
 
 /// A cause that would be named in a test like this. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Watchable {
     /// The effect's name in the catalogue.
     pub name: &'static str,
@@ -74,7 +75,7 @@ pub struct Watchable {
 }
 
 /// What the diagnosis of the record behind the first name says of the names. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Agreement {
     /// True if it names one of the set; none where it cannot be asked.
     pub agrees: Option<bool>,
@@ -83,7 +84,7 @@ pub struct Agreement {
 }
 
 /// What the watch had to say of a test. The keys are a contract.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WatchReport {
     /// The state at the end.
     pub state: &'static str,

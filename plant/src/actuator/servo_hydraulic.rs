@@ -13,13 +13,14 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::load::Load;
 use crate::error::{Accept, RigError};
 
 /// The `[plant.actuator.servo]` table.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ServoSpec {
     /// Natural frequency of the valve spool, Hz, 5 to 1000.

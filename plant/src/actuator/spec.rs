@@ -1,5 +1,6 @@
 //! The `[plant.actuator]` table.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dynamics::{Actuator, Dynamics, Jump};
@@ -14,7 +15,7 @@ use crate::random::{Normal, Purpose};
 use crate::stage::{Stage, Stages};
 
 /// How a command becomes a displacement.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ActuatorKind {
     /// The displacement is the command of the same step. Delay and lag are not looked at, so that any test file can
@@ -37,7 +38,7 @@ pub enum ActuatorKind {
 }
 
 /// The `[plant.actuator]` table. Every number is one for all axes or a list, one an axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ActuatorSpec {
     /// Which dynamics.
@@ -63,7 +64,7 @@ pub struct ActuatorSpec {
 }
 
 /// At `at_s` of lab time the delay becomes `delay_ms`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DelayJump {
     /// When, s since the first step.

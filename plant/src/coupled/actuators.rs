@@ -5,12 +5,13 @@ use crate::delay_line::DelayLine;
 use crate::error::RigError;
 use crate::linear::Linear;
 use nalgebra::{SMatrix, Vector1};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Commands to strokes: stroke `i` per command `j` is `gain_ij (1 + s path_lead_ij) (1 + s lead_j1) (1 + s lead_j2)` over
 /// `(1 + s / slow_j) (1 + s / fast_j) (1 + 2 zeta s / f + s^2 / f^2)`, and a delay.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorPairSpec {
     /// Stroke i at rest per command j, rows of strokes: the command of one actuator moves the other by the second number.

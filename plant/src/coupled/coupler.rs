@@ -2,10 +2,11 @@
 
 use super::pair::{Pair, within};
 use crate::error::RigError;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Where the actuators hold the coupler; they act along x.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CouplerSpec {
     /// Distance of each pin from the interface point along the actuators, m, -100 to 100.

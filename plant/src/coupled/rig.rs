@@ -7,10 +7,11 @@ use super::specimen::{CoupledSpecimen, CoupledSpecimenSpec};
 use crate::effect::additions;
 use crate::error::RigError;
 use crate::measurement::{Channels, SensorsSpec};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The rig with two coupled actuators that stands in for the laboratory. What is left out of its tables is as declared.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledRigSpec {
     /// True if the actuators are where they were sent at the end of each period; what `actuators` says then does nothing.

@@ -4,10 +4,11 @@ use super::pair::{Pair, within};
 use crate::error::RigError;
 use crate::kinematics::Kinematics;
 use crate::specimen::Bilinear;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What answers in the laboratory; rows and columns are x and rotation of the interface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledSpecimenSpec {
     /// Stiffness, N/m, N/rad; N m/m, N m/rad. Symmetric.
@@ -24,7 +25,7 @@ pub struct CoupledSpecimenSpec {
 }
 
 /// A bilinear spring along x, at an arm from the interface point; it is stretched by `x - arm rotation`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpringSpec {
     /// Distance from the interface point across the actuators, m, as those of the coupler's pins.

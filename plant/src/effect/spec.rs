@@ -2,11 +2,12 @@
 
 use super::catalogue::Effect;
 use super::row::Channel;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A measuring channel of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sensor {
     /// The displacement transducer.
@@ -16,7 +17,7 @@ pub enum Sensor {
 }
 
 /// One of `plant.effects`: an effect and its parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectSpec {
     /// Which effect; beside `frozen = true` it may be left out.
     #[serde(default = "frozen_sensor")]

@@ -1,5 +1,6 @@
 //! The `[plant.specimen]` table.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bilinear::Bilinear;
@@ -10,7 +11,7 @@ use crate::error::{Accept, RigError};
 use crate::per_axis::PerAxis;
 
 /// The restoring force of a storey.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpecimenKind {
     /// `R = K x`.
@@ -25,7 +26,7 @@ pub enum SpecimenKind {
 }
 
 /// The `[plant.specimen]` table. Every number is one for all storeys or a list from the ground up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpecimenSpec {
     /// Which restoring force.

@@ -1,0 +1,80 @@
+//! The schemas of files, and of what the verbs answer with `--json`.
+
+use super::list::all;
+use super::render::schema;
+use super::structures::read;
+use crate::difference::Difference;
+use crate::many::Outcome;
+use crate::provenance::Provenance;
+use crate::serve::SessionSummary;
+use crate::verb::check::CheckAnswer;
+use crate::verb::diagnose::DiagnosisAnswer;
+use crate::verb::identify::IdentifiedOverFrequency;
+use crate::verb::improve::ImprovementRows;
+use crate::verb::sweep::SweepResult;
+use diagnosis::Model;
+use experiment::coupled::planned::CoupledCheck;
+use experiment::summary::Summary;
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
+
+/// Rows of tests.
+#[derive(JsonSchema)]
+#[allow(dead_code)]
+struct ComparedRows {
+    rows: Vec<Summary>,
+}
+
+/// A name, and the schema that it stands for.
+type NamedSchema = (&'static str, fn() -> Value);
+
+/// The schemas of files, and of the answers of verbs.
+pub const SCHEMAS: [NamedSchema; 13] = [
+    ("test", || schema(&all())),
+    ("model", read::<Model>),
+    ("run", of::<Summary>),
+    ("compare", of::<ComparedRows>),
+    ("check", of::<CheckAnswer<'static>>),
+    ("check-coupled", of::<CoupledCheck>),
+    ("sweep", of::<SweepResult<'static>>),
+    ("monte-carlo", of::<Outcome>),
+    ("diagnose", of::<DiagnosisAnswer<'static>>),
+    ("improve", of::<ImprovementRows<'static>>),
+    ("identify", of::<IdentifiedOverFrequency>),
+    ("diff", of::<Difference>),
+    ("serve", of::<SessionSummary>),
+];
+
+fn of<T: JsonSchema>() -> Value {
+    let generate = || {
+        SchemaSettings::draft2020_12()
+            .for_serialize()
+            .into_generator()
+    };
+    let mut schema = generate().into_root_schema_for::<T>().to_value();
+    let provenance = generate().into_root_schema_for::<Provenance>().to_value();
+    let definitions = provenance["$defs"].clone();
+    for (name, definition) in definitions.as_object().into_iter().flatten() {
+        schema["$defs"][name] = definition.clone();
+    }
+    schema["properties"]["seed"] =
+        json!({ "type": "integer", "description": "Seed of everything random." });
+    schema["properties"]["provenance"] = provenance;
+    or_null(&mut schema);
+    schema
+}
+
+/// What is not known, or beyond all bounds, is null in an answer.
+fn or_null(schema: &mut Value) {
+    match schema {
+        Value::Object(map) => {
+            if map.get("type") == Some(&json!("number")) {
+                map.insert("type".into(), json!(["number", "null"]));
+            }
+            map.values_mut().for_each(or_null);
+        }
+        Value::Array(all) => all.iter_mut().for_each(or_null),
+        _ => {}
+    }
+}

@@ -1,0 +1,113 @@
+//! Every key of a test file, table by table.
+
+use super::key::{Group, Key};
+use super::value::{self, ValueKind};
+use super::{probe, structures};
+use experiment::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable};
+use experiment::files::serve::Settings;
+use experiment::files::test::Excitation;
+use experiment::files::units;
+use experiment::files::watch::WatchSettings;
+use outerloop_core::Config;
+use plant::RigSpec;
+use serde_json::{Map, Value, json};
+
+/// Every table in the order of the test file.
+pub fn all() -> Vec<Group> {
+    let mut groups = Vec::new();
+    walk("", &structures::test_file(), &defaults(), &mut groups);
+    groups
+}
+
+/// What stands where a key is left out.
+fn defaults() -> Value {
+    let config = Config::shear_frame([1.0], [1.0], [0.0]);
+    let mut defaults = serde_json::to_value(config).unwrap_or(Value::Null);
+    defaults["excitation"] = serde_json::to_value(Excitation::default()).unwrap_or(Value::Null);
+    defaults["serve"] = serde_json::to_value(Settings::default()).unwrap_or(Value::Null);
+    defaults["watch"] = serde_json::to_value(WatchSettings::default()).unwrap_or(Value::Null);
+    defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
+    defaults["coupled"] = coupled_defaults();
+    // What a test file has to say has no default.
+    defaults["structure"] = json!({});
+    defaults
+}
+
+/// What a table of coupled actuators has where it says nothing.
+fn coupled_defaults() -> Value {
+    let actuators = json!({
+        "gain": [[1.0, 0.0], [0.0, 1.0]], "lead_ms": [[0.0, 0.0], [0.0, 0.0]],
+        "path_lead_ms": [[0.0, 0.0], [0.0, 0.0]], "delay_ms": [0.0, 0.0],
+    });
+    let zeros = json!([[0.0, 0.0], [0.0, 0.0]]);
+    json!({
+        "compensation": CoupledCompensation::default(),
+        "trust_reading_hz": 5.0,
+        "structure": { "coordinates": ["x_m", "rotation_rad"] },
+        "specimen": { "damping": zeros, "mass": zeros },
+        "actuators": actuators,
+        "spread": SpreadTable::default(),
+        "limits": { "stale_steps": 5, "frozen_m": 1e-4 },
+        "observer": ObserverTable::default(),
+    })
+}
+
+/// The keys of a table, then those of the tables in it.
+fn walk(path: &str, table: &Value, defaults: &Value, groups: &mut Vec<Group>) {
+    let at = |name: &str| match path {
+        "" => name.to_owned(),
+        path => format!("{path}.{name}"),
+    };
+    let empty = Map::new();
+    let properties = table["properties"].as_object().unwrap_or(&empty);
+    let (mut keys, mut inner) = (Vec::new(), Vec::new());
+    for (name, schema) in properties {
+        let (path, meaning) = (at(name), value::meaning(schema));
+        let kind = ValueKind::of(schema);
+        if kind == ValueKind::Table {
+            inner.push((path, schema));
+            continue;
+        }
+        let default = defaults.pointer(&format!("/{}", path.replace('.', "/")));
+        keys.push(Key {
+            unit: unit(name, &kind),
+            default: default.and_then(written),
+            accepted: probe::accepted(&path, &kind, &meaning),
+            meaning,
+            kind,
+            path,
+        });
+    }
+    if !keys.is_empty() {
+        groups.push(Group {
+            path: path.to_owned(),
+            meaning: value::meaning(table),
+            keys,
+        });
+    }
+    for (path, table) in inner {
+        walk(&path, table, defaults, groups);
+    }
+}
+
+/// A default as it would be written.
+fn written(value: &Value) -> Option<String> {
+    match value {
+        Value::Null => None,
+        Value::Array(list) if list.is_empty() => None,
+        value => Some(value.to_string()),
+    }
+}
+
+fn unit(name: &str, kind: &ValueKind) -> &'static str {
+    match kind {
+        ValueKind::Text
+        | ValueKind::Texts
+        | ValueKind::Flag
+        | ValueKind::Name
+        | ValueKind::Table
+        | ValueKind::Tables
+        | ValueKind::Matrix(_) => "",
+        _ => units::of_key(name).unwrap_or("1"),
+    }
+}
