@@ -241,8 +241,7 @@ impl TestFile {
     fn warning_of_true_delay(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
-                "Nothing is declared of the actuator: the compensation is configured with the simulated one's true {} ms. A table \
-                 [declared.actuator] in the test file says what the laboratory believes.",
+                "Nothing is declared of the actuator ([declared.actuator]): the compensation is told the simulated one's true {} ms.",
                 self.config.compensation.delay_ms
             )
         })

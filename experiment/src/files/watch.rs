@@ -85,8 +85,7 @@ impl WatchSettings {
                 "late_sensor" => all.late_sensor = true,
                 other => {
                     return Err(format!(
-                        "watch.correct = [\"{other}\"] is refused: accepted are \"lateness\" and \"gain\" of the actuator, and \
-                         \"late_sensor\""
+                        "watch.correct: `{other}` is unknown: accepted are lateness, gain, late_sensor"
                     ));
                 }
             }

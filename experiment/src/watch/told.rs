@@ -136,21 +136,25 @@ fn can_be_told(model: &Model, actuator: bool) -> bool {
     }
 }
 
-/// What is not watched, and what would do.
+/// What is not watched, and what would do: one short sentence, since every run of a rig that nobody declared says it.
 pub(super) fn gaps(d: &Declared) -> Vec<String> {
-    let mut said = Vec::new();
-    if !d.has_actuator {
-        said.push(
-            "Command to displacement is not watched: it takes a table [declared.actuator] with gain, delay, lag and offset alone."
-                .to_owned(),
-        );
-    }
-    if !d.has_specimen {
-        let why = match d.alone {
-            true => "it takes declared.specimen.stiffness_n_per_mm, without effects beside it",
-            false => "the force of a floor depends on its neighbours",
-        };
-        said.push(format!("Displacement to force is not watched: {why}."));
-    }
-    said
+    const ACTUATOR: &str = "[declared.actuator] with gain, delay, lag and offset alone";
+    let said = match (d.has_actuator, d.has_specimen, d.alone) {
+        (true, true, _) => return Vec::new(),
+        (true, false, true) => {
+            "The specimen is not watched: that takes declared.specimen.stiffness_n_per_mm without effects."
+                .to_owned()
+        }
+        (true, false, false) => {
+            "The specimen is not watched: the force of a floor depends on its neighbours."
+                .to_owned()
+        }
+        (false, true, _) => format!("The actuator is not watched: that takes {ACTUATOR}."),
+        (false, false, true) => "Actuator and specimen are not watched: nothing that the watch can use is declared of them ([declared])."
+            .to_owned(),
+        (false, false, false) => {
+            format!("Actuators and specimen are not watched: the former take {ACTUATOR}.")
+        }
+    };
+    vec![said]
 }
