@@ -96,8 +96,11 @@ impl Schema {
             return Ok(());
         };
         let found = keys::SCHEMAS.iter().find(|(name, _)| name == what);
-        let (_, schema) =
-            found.ok_or_else(|| Failure::input(format!("schema {what}: accepted are {all}")))?;
+        let (_, schema) = found.ok_or_else(|| {
+            Failure::input(format!(
+                "the schema `{what}` is unknown: accepted are {all}"
+            ))
+        })?;
         answer!("{}", json(&schema())?);
         Ok(())
     }

@@ -37,22 +37,42 @@ struct SignalArguments {
     #[arg(long, default_value = "chirp", requires = "signal")]
     shape: SignalShape,
     /// Its largest displacement, mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0, requires = "signal")]
+    #[arg(long, value_name = "MM", default_value_t = 5.0, value_parser = |text: &str| number_in("mm", text), requires = "signal")]
     peak_mm: f64,
     /// Its lowest and its highest frequency, Hz
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 2, default_values_t = [0.2, 10.0], requires = "signal")]
-    band_hz: Vec<f64>,
+    #[arg(long, value_name = "LOW,HIGH", default_value = "0.2,10", value_parser = band, requires = "signal")]
+    band_hz: [f64; 2],
     /// Its length, s
-    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "signal")]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = |text: &str| number_in("s", text), requires = "signal")]
     seconds: f64,
 }
 
 impl SignalArguments {
     fn text(&self) -> Result<String, Failure> {
-        let band_hz = [self.band_hz[0], self.band_hz[1]];
-        let made = SignalPoints::made(self.shape, 1e-3 * self.peak_mm, band_hz, self.seconds);
+        let made = SignalPoints::made(self.shape, 1e-3 * self.peak_mm, self.band_hz, self.seconds);
         Ok(made.map_err(Failure::input)?.to_csv())
     }
+}
+
+/// A number, with its unit if somebody says it.
+fn number_in(unit: &str, text: &str) -> Result<f64, String> {
+    match units::converted(text, unit) {
+        Ok(Some(x)) => Ok(x),
+        Ok(None) => Err(format!(
+            "`{text}` is no number: accepted is one, with its unit if you like, as in `5 {unit}`"
+        )),
+        Err(why) => Err(format!("`{text}` is refused: {why}")),
+    }
+}
+
+/// Two frequencies, Hz.
+fn band(text: &str) -> Result<[f64; 2], String> {
+    let Some((low, high)) = text.split_once(',') else {
+        return Err(format!(
+            "`{text}` is no band: accepted are two frequencies with a comma between them, as in `0.2,10`"
+        ));
+    };
+    Ok([number_in("Hz", low)?, number_in("Hz", high)?])
 }
 
 /// The examples of the repository.
@@ -120,7 +140,8 @@ impl New {
                 let text = match example {
                     Some(example) => example.text().to_owned(),
                     None => {
-                        let text = asked(&mut stdin().lock())?;
+                        let text =
+                            asked(path.parent().unwrap_or(Path::new("")), &mut stdin().lock())?;
                         TestFile::parse(&text, &file.to_string(), Path::new(""), &[])?;
                         text
                     }
@@ -152,7 +173,7 @@ struct RigInWords {
     record: String,
 }
 
-fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
+fn asked(folder: &Path, from: &mut impl BufRead) -> Result<String, Failure> {
     println!(
         "An empty answer takes the value in brackets; a value may say another unit, as in `1 t` or `158 N/mm`."
     );
@@ -196,10 +217,7 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
         25.0,
         [1e-6, 1e6],
     )?;
-    let record = line(
-        "Ground motion, a file [the built-in near-fault record]",
-        from,
-    )?;
+    let record = ground_motion(folder, from)?;
     let rig = RigInWords {
         storeys: storeys as usize,
         mass_kg,
@@ -239,6 +257,20 @@ fn answered(
             Err(why) => why,
         };
         println!("`{answer}` is no answer: {why}. Once more:");
+    }
+}
+
+/// The name of a ground motion beside the test file, or nothing; asks again until the file is there.
+fn ground_motion(folder: &Path, from: &mut dyn BufRead) -> Result<String, Failure> {
+    loop {
+        let answer = line(
+            "Ground motion, a file beside this one [the built-in near-fault record]",
+            from,
+        )?;
+        if answer.is_empty() || folder.join(&answer).is_file() {
+            return Ok(answer);
+        }
+        println!("`{answer}` is no answer: accepted are files that are there. Once more:");
     }
 }
 
@@ -289,7 +321,9 @@ mod tests {
     use super::*;
 
     fn written(answers: &str) -> Result<String, String> {
-        asked(&mut answers.as_bytes()).map_err(|e| e.to_string())
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("KOBE.AT2"), "").unwrap();
+        asked(folder.path(), &mut answers.as_bytes()).map_err(|e| e.to_string())
     }
 
     #[test]

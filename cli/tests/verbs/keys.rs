@@ -190,7 +190,7 @@ fn every_answer_is_as_its_schema_says() {
         let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
         is_as_its_schema_says(schema, &answer, without);
     }
-    refused(&["schema", "no-such"], &["no-such", "monte-carlo"]);
+    refused(&["schema", "chekc"], &["`chekc` (`check`?)", "monte-carlo"]);
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_new_test_file_runs() {
     asks.stdin
         .take()
         .unwrap()
-        .write_all(b"1\n2000\n300\n3\n6\n\n50\n10\n\n")
+        .write_all(b"1\n2 t\nfoo\n300 N\n300 N/mm\n3\n6\n\n50\n10\nno-such.at2\n\n")
         .unwrap();
     let output = asks.wait_with_output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
@@ -252,6 +252,12 @@ fn a_new_test_file_runs() {
         output.status.success() && said.contains("Mass of a floor"),
         "{said}"
     );
+    // A wrong answer is asked for again: a word, another quantity, a file that is not there.
+    assert_eq!(said.matches("Once more:").count(), 3, "{said}");
+    let written = std::fs::read_to_string(&file).unwrap();
+    for line in ["mass_kg = 2000", "stiffness_n_per_m = 300000"] {
+        assert!(written.contains(line), "{line}: {written}");
+    }
     let r = json(&["run", &file, "--json"]);
     assert_eq!(r["verdict"], "completed", "{r}");
     refused(&["new", &file], &["is there already"]);
@@ -265,4 +271,35 @@ fn a_new_test_file_runs() {
         json(&["run", &copy, "--json", "--duration", "5"])["verdict"],
         "completed"
     );
+}
+
+#[test]
+fn a_new_signal_takes_units_and_the_band_as_the_documents_write_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("multisine.csv").display().to_string();
+    let signal = ["new", "--signal", &file, "--shape", "odd-multisine"];
+    for (option, value, said) in [
+        ("--peak-mm", "4 N", "`4 N` is refused"),
+        ("--peak-mm", "four", "`four` is no number"),
+        ("--band-hz", "10", "`10` is no band"),
+        ("--band-hz", "10,0.2", "two frequencies that rise"),
+    ] {
+        refused(&[&signal[..], &[option, value]].concat(), &[said]);
+    }
+    let good = [
+        "--peak-mm",
+        "0.4 cm",
+        "--band-hz",
+        "0.3,8 Hz",
+        "--seconds",
+        "40",
+    ];
+    assert!(outerloop(&[&signal[..], &good].concat()).status.success());
+    let text = std::fs::read_to_string(&file).unwrap();
+    let command_mm = |row: &str| row.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+    let largest = text
+        .lines()
+        .filter(|row| row.starts_with(|c: char| c.is_ascii_digit()))
+        .fold(0.0, |m: f64, row| m.max(command_mm(row).abs()));
+    assert!((largest - 4.0).abs() < 1e-3, "{largest} mm");
 }
