@@ -94,3 +94,91 @@ def test_without_a_network_it_says_so(tmp_path, mirror):
     status, said = fetch(tmp_path, listed, "http://127.0.0.1:9")
     assert status == 1 and "is there a network?" in said
     assert "Traceback" not in said
+
+
+# Invented samples in the form of each source, and what has to be made of them.
+SEALS = "".join(f"{10 * i}.000\t3.6\t2.5\t5.5\t{i}.000\t5.000\t250.000\n" for i in range(18))
+CONVERTED = [
+    (
+        {"convert": "columns", "columns": [["time_s", 0, 1, "%.3f"], ["displacement_mm", 2, 10, "%.2f"]]},
+        ["t,r,y\n0,7,0.5\n0.1,7,-1e-3\n"],
+        "time_s,displacement_mm\n0.000,5.00\n0.100,-0.01\n",
+    ),
+    (
+        {"convert": "at2", "head": "# somebody's"},
+        ["DATABASE\nA rig\nIN UNITS OF G\nNPTS =      3 , DT =   .020 SEC ,\n  .1E-01 -.2E-01\n  .3E-01\n"],
+        "# somebody's\ntime_s,acc_g\n0.0000,1.00000000e-02\n0.0200,-2.00000000e-02\n0.0400,3.00000000e-02\n",
+    ),
+    (
+        # 250 N - 5 bar x 4.908739 cm2
+        {"convert": "seal", "diameter_mm": 25, "even": False},
+        [SEALS],
+        "time_s,displacement_mm,force_n\n0.000,15.0000,4.563\n0.010,16.0000,4.563\n0.020,17.0000,4.563\n",
+    ),
+    (
+        # A stamp that came late: at 10 ms the way between the first two.
+        {"convert": "seal", "diameter_mm": 25, "even": True},
+        [SEALS.replace("160.000\t", "165.000\t")],
+        "time_s,displacement_mm,force_n\n0.000,15.0000,4.563\n0.010,15.6667,4.563\n0.020,17.0000,4.563\n",
+    ),
+    (
+        {"convert": "damper"},
+        [json.dumps({"data": [[i / 1024, x, 1.0, 0.0] for i, x in enumerate([0, 1, 2, 3, 1, 1, 1, 1, 9])]})],
+        "time_s,displacement_mm,force_n\n0.0000000,38.1000,4448.2\n0.0039062,25.4000,4448.2\n",
+    ),
+    (
+        {"convert": "isolation"},
+        [" 1e-3 2e-3 3e-3 4e-3 5", "1 1 1 1 9", "3 3 3 3 9"],
+        "time_s,displacement_mm,force_1\n0.000,2.5000,-2000.000\n",
+    ),
+    (
+        # Out by 2e-4 and back by 1e-4.
+        {"convert": "coupon"},
+        ["e,s\n0,0\n0,0\n2e-4,20\n1e-4,10\n"],
+        "time_s,displacement_mm,force_1\n0.0,0.00000,0.0000\n0.1,0.10000,10.0000\n0.2,0.20000,20.0000\n0.3,0.10000,10.0000\n",
+    ),
+]
+
+
+@pytest.mark.parametrize(("file", "originals", "made"), CONVERTED, ids=lambda part: part.get("convert") if isinstance(part, dict) else "")
+def test_each_form_is_converted_to_what_the_tests_read(tmp_path, mirror, file, originals, made):
+    _, base = mirror
+    names = []
+    for i, original in enumerate(originals):
+        names.append(f"a folder/{i}.txt")
+        (tmp_path / "served/someone/rig" / COMMIT / names[-1]).write_text(original)
+    listed = {
+        "sources": {"rig": {"title": "a rig", "repository": "someone/rig", "licence": "MIT"}},
+        "files": [{"source": "rig", "commit": COMMIT, "path": "x.csv", "original": names, "sha256": sha256(made), **file}],
+    }
+    status, said = fetch(tmp_path, listed, base)
+    assert (tmp_path / "data/x.csv").read_text() == made, said
+    assert status == 0, said
+    # Another form is no traceback.
+    (tmp_path / "data/x.csv").unlink()
+    for name in names:
+        (tmp_path / "served/someone/rig" / COMMIT / name).write_text("<html>moved</html>")
+    status, said = fetch(tmp_path, listed, base)
+    assert status == 2 and "Traceback" not in said and "nothing is written" in said, said
+
+
+def test_a_file_is_made_of_one_that_is_there(tmp_path, mirror):
+    _, base = mirror
+    file, (original,), made = CONVERTED[1]
+    listed = {
+        "sources": {"peer": {"title": "a database", "address": "https://example.org", "licence": "with an account"}},
+        "files": [{"source": "peer", "path": "x.csv", "from": "x.AT2", "sha256": sha256(made), **file}],
+    }
+    status, said = fetch(tmp_path, listed, base)
+    assert status == 0 and "it is made of x.AT2, which is not there" in said, said
+    (tmp_path / "data").mkdir(exist_ok=True)
+    (tmp_path / "data/x.AT2").write_text(original)
+    status, said = fetch(tmp_path, listed, base)
+    assert status == 0 and (tmp_path / "data/x.csv").read_text() == made, said
+
+
+def test_an_original_that_is_gone_is_no_missing_network(tmp_path, mirror):
+    listed, base = mirror
+    listed["files"][0]["original"] = "a folder/renamed.csv"
+    status, said = fetch(tmp_path, listed, base)
+    assert status == 1 and "HTTP 404" in said and "is there a network?" not in said
