@@ -90,13 +90,14 @@ impl Schema {
     /// # Errors
     /// A name that has none.
     pub fn run(&self) -> Result<(), Failure> {
-        let all = keys::SCHEMAS.map(|(name, _)| name).join(", ");
+        let names = keys::SCHEMAS.map(|(name, _)| name);
         let Some(what) = &self.what else {
-            answer!("{all}");
+            answer!("{}", names.join("\n"));
             return Ok(());
         };
         let found = keys::SCHEMAS.iter().find(|(name, _)| name == what);
         let (_, schema) = found.ok_or_else(|| {
+            let all = names.join(", ");
             Failure::input(format!(
                 "the schema `{what}` is unknown: accepted are {all}"
             ))

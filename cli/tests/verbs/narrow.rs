@@ -19,7 +19,7 @@ const WITHOUT_TABLE: [&str; 7] = [
 ];
 
 /// What the verbs print that a table or a sentence stands in; `o` is a folder in which nothing is.
-const LINES: [&str; 20] = [
+const LINES: [&str; 21] = [
     "demo",
     "run examples/table1.toml --out o/first",
     "run examples/table1.toml --compensation tangent --out o/second",
@@ -40,6 +40,7 @@ const LINES: [&str; 20] = [
     "effects",
     "keys",
     "keys plant.actuator",
+    "schema",
 ];
 
 /// What a terminal is told of a line; `o` is the folder.

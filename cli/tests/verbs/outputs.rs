@@ -264,6 +264,7 @@ fn every_place_that_a_verb_writes_to_is_tried_above() {
                     "<SECOND>",
                     "[TEST]",
                     "[FILTER]",
+                    "[WHAT]",
                     "<FILE[@T0..T1]>",
                     "<SHELL>",
                 ]
