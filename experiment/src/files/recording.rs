@@ -172,17 +172,11 @@ impl SiRecording {
             let (column, factor) = match assigned.iter().find(|(at, _)| *at == j) {
                 Some((_, a)) => assigned_column(&table, header, a)?,
                 None => {
-                    let clock = header.likely() == Some("time") || header.base.starts_with("time");
-                    let found = match (bad_in(j).filter(|_| clock), said.rate) {
-                        (None, _) => column(&table, header)?,
-                        // Times of day need no unit where --rate stands for them.
-                        (Some(bad), Some(_)) => {
-                            notes.push(left_out(&table, bad));
+                    let found = match meaning(&table, header, bad_in(j), said.rate)? {
+                        Ok(found) => found,
+                        Err(note) => {
+                            notes.push(note);
                             continue;
-                        }
-                        // No unit makes seconds of them.
-                        (Some(bad), None) => {
-                            column(&table, header).map_err(|_| table.refuse_cell(bad))?
                         }
                     };
                     // What was said on the command line stands above what a name suggests.
@@ -340,6 +334,29 @@ fn assigned_column(
             )))
         }
     }
+}
+
+/// What the name of a column means, and its factor to SI; or why it is left out, where --rate stands for its times.
+fn meaning(
+    table: &NumberTable,
+    header: &Header,
+    bad: Option<&BadCell>,
+    rate_hz: Option<f64>,
+) -> Result<Result<(Column, f64), String>, Failure> {
+    let found = column(table, header);
+    let clock = header.likely() == Some("time") || header.base.starts_with("time");
+    Ok(match (bad.filter(|_| clock), rate_hz.filter(|_| clock)) {
+        (None, None) => Ok(found?),
+        // No unit makes seconds of times of day.
+        (Some(bad), None) => Ok(found.map_err(|_| table.refuse_cell(bad))?),
+        (Some(bad), Some(_)) => Err(left_out(table, bad)),
+        (None, Some(_)) => found.map_err(|_| {
+            format!(
+                "{}: the column `{}` says no unit and is left out: --rate stands for it",
+                table.file, header.text
+            )
+        }),
+    })
 }
 
 /// That a column of something else is not used.
