@@ -15,4 +15,4 @@ mod value;
 pub use answers::SCHEMAS;
 pub use declared_model::declared_model;
 pub use list::all;
-pub use render::{markdown, schema};
+pub use render::markdown;

@@ -29,7 +29,7 @@ fn cell(text: &str) -> String {
 const SAID: &str = "^[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[^0-9 ].*$";
 
 /// A JSON Schema (draft 2020-12) of the test file: that of its structures, with what each key accepts, its unit and its default.
-pub fn schema(groups: &[Group]) -> Value {
+pub(super) fn schema(groups: &[Group]) -> Value {
     let mut root = test_file();
     root["title"] = json!("A test of outerloop");
     for key in groups.iter().flat_map(|group| &group.keys) {

@@ -13,11 +13,8 @@ pub struct Keys {
     /// Only keys whose path or meaning contains this, e.g. `delay` or `plant.actuator`
     filter: Option<String>,
     /// Print a page in Markdown
-    #[arg(long, conflicts_with_all = ["schema", "json"])]
-    markdown: bool,
-    /// As a JSON Schema, with which editors check a test file as it is written
     #[arg(long, conflicts_with = "json")]
-    schema: bool,
+    markdown: bool,
     /// One JSON list on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -52,8 +49,6 @@ impl Keys {
         }
         if self.markdown {
             answer!("{}", keys::markdown(&groups)?.trim_end());
-        } else if self.schema {
-            answer!("{}", json(&keys::schema(&groups))?);
         } else if self.json {
             answer!("{}", json(&groups)?);
         } else {

@@ -26,6 +26,28 @@ pub const KEYS: [&str; 14] = [
     "wall_s",
 ];
 
+/// What a verb answers is what its schema says, and an answer without this key is none.
+#[track_caller]
+pub fn is_as_its_schema_says(schema: &str, answer: &Value, without: &str) {
+    let schema = json(&["schema", schema]);
+    let known = jsonschema::validator_for(&schema).unwrap();
+    let wrong: Vec<String> = known
+        .iter_errors(answer)
+        .map(|e| format!("{}: {e}", e.instance_path()))
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // Every key of the answer is one of the schema's.
+    for key in answer.as_object().unwrap().keys() {
+        assert!(
+            schema["properties"][key].is_object(),
+            "{key} is in no schema"
+        );
+    }
+    let mut other = answer.clone();
+    other.as_object_mut().unwrap().remove(without).unwrap();
+    assert!(!known.is_valid(&other), "{without} may be left out");
+}
+
 /// The folder of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

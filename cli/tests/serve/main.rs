@@ -8,7 +8,7 @@ mod common;
 mod emulated;
 
 use client::{Client, STIFFNESS, Server, integrate};
-use common::root;
+use common::{is_as_its_schema_says, root};
 use serde_json::Value;
 use std::io::Write;
 use std::process::Command;
@@ -33,6 +33,7 @@ fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_secon
     assert!(peak > 0.01 && apart < 1e-9, "{apart} of {peak} m");
     assert!(rate > 1000.0, "{rate} steps a second");
     let account = server.account();
+    is_as_its_schema_says("serve", &account, "verdict");
     assert_eq!(account["verdict"], "completed");
     assert_eq!(
         (&account["targets"], &account["commits"]),

@@ -1,5 +1,6 @@
 //! `outerloop improve`: what a diagnosis finds makes the next test better, by the error of the test itself.
 
+use crate::common::is_as_its_schema_says;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -259,6 +260,7 @@ fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    is_as_its_schema_says("improve", &answer, "rows");
     let row = &answer["rows"][0];
     assert_eq!(row["outcome"], "worse", "{row:#}");
     assert_eq!(output.status.code(), Some(1), "{said}");
