@@ -135,17 +135,7 @@ impl NumberTable {
             if cells.len() != headers.len() {
                 return Err(refuse(
                     line.number,
-                    format!(
-                        "has {} columns where the header has {}{}",
-                        cells.len(),
-                        headers.len(),
-                        // 0,5 beside 1,5: nothing tells the two commas apart.
-                        if dialect.separator == Some(',') && cells.len() == 2 * headers.len() {
-                            ": decimals with a comma are accepted with a semicolon or a tab between the columns"
-                        } else {
-                            ""
-                        }
-                    ),
+                    miscounted(line.text, cells.len(), headers.len(), dialect),
                 ));
             }
             for (at, (cell, column)) in cells.iter().zip(&mut columns).enumerate() {
@@ -297,6 +287,34 @@ pub fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
 }
 
+/// That a line has other columns than the header, and why, where that can be told.
+fn miscounted(line: &str, cells: usize, headers: usize, dialect: &Dialect) -> String {
+    let why = if cells > headers && line.split([';', '\t', ' ']).any(has_thousands) {
+        ": a separator of thousands, as in 1.234,56, is not read: accepted are numbers without one"
+    } else if dialect.separator == Some(',') && cells == 2 * headers {
+        // 0,5 beside 1,5: nothing tells the two commas apart.
+        ": decimals with a comma are accepted with a semicolon or a tab between the columns"
+    } else {
+        ""
+    };
+    format!("has {cells} columns where the header has {headers}{why}")
+}
+
+/// True of `1.234,56` and `1,234.56`.
+fn has_thousands(cell: &str) -> bool {
+    let digits = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_digit());
+    [('.', ','), (',', '.')].iter().any(|(thousand, decimal)| {
+        let Some((whole, fraction)) = cell.trim().rsplit_once(*decimal) else {
+            return false;
+        };
+        let mut groups = whole.trim_start_matches(['+', '-']).split(*thousand);
+        let first = groups.next().is_some_and(|g| digits(g) && g.len() <= 3);
+        let others: Vec<&str> = groups.collect();
+        let three = |g: &&str| digits(g) && g.len() == 3;
+        first && digits(fraction) && !others.is_empty() && others.iter().all(three)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -333,6 +351,10 @@ mod tests {
             ("a,A\n1,2\n", "stands twice"),
             ("0,1\n2,3\n", "line 1: `0` stands where the header"),
             ("a,b\n1\n", "line 2: has 1 columns where the header has 2"),
+            (
+                "time_s;b\n0,0;1.234,5\n0,1;1.235,5\n",
+                "as in 1.234,56, is not read",
+            ),
             (
                 "time_s,b\n0,0,1,5\n0,1,1,6\n",
                 "line 2: has 4 columns where the header has 2: decimals with a comma are accepted with a semicolon",
