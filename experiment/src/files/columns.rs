@@ -48,14 +48,18 @@ impl std::str::FromStr for ColumnAssignment {
 }
 
 /// How the columns of recorded files are to be read.
-#[derive(clap::Args, Clone, Debug, Default)]
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "options", derive(clap::Args))]
 pub struct Columns {
     /// Which column of the file is which quantity, where its header does not say it: time, command, displacement or
     /// force; the column by its name or number, the unit behind a colon, e.g. --column command=Cmd:mm
-    #[arg(long = "column", value_name = "QUANTITY=COLUMN[:UNIT]")]
+    #[cfg_attr(
+        feature = "options",
+        arg(long = "column", value_name = "QUANTITY=COLUMN[:UNIT]")
+    )]
     pub assigned: Vec<ColumnAssignment>,
     /// Samples in a second, for a file without time, Hz
-    #[arg(long, value_name = "HZ")]
+    #[cfg_attr(feature = "options", arg(long, value_name = "HZ"))]
     pub rate: Option<f64>,
 }
 

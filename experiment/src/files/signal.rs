@@ -12,7 +12,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// A signal that tells an actuator over frequency.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "options", derive(clap::ValueEnum))]
 pub enum SignalShape {
     /// A sine whose frequency rises exponentially: long at the low frequencies, where a cycle takes long
     Chirp,

@@ -14,16 +14,17 @@ pub struct ColumnChoice {
 }
 
 /// Unit of an acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "options", derive(clap::ValueEnum))]
 pub enum AccelerationUnit {
     /// Standard gravity, 9.80665 m/s^2.
-    #[value(name = "g")]
+    #[cfg_attr(feature = "options", value(name = "g"))]
     G,
     /// m/s^2.
-    #[value(name = "m/s2")]
+    #[cfg_attr(feature = "options", value(name = "m/s2"))]
     MetrePerSecondSquared,
     /// cm/s^2.
-    #[value(name = "gal")]
+    #[cfg_attr(feature = "options", value(name = "gal"))]
     Gal,
 }
 
