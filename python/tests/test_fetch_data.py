@@ -46,7 +46,7 @@ def mirror(tmp_path):
     files = [
         {"path": "x/plain.csv", "original": "a folder/plain.csv", "convert": "as published", "sha256": sha256("a,b\n1,2\n")},
         {"path": "x/made.csv", "original": "a folder/raw.txt", "convert": "utfsm", "sha256": sha256(MADE)},
-        {"path": "x/paper.csv", "made": "typed from the paper", "sha256": sha256("")},
+        {"path": "x/paper.csv", "made": "typed from the paper", "by_hand": "it is a drawing", "sha256": sha256("")},
     ]
     listed = {
         "sources": {"rig": {"title": "a rig", "repository": "someone/rig", "licence": "MIT"}},
@@ -70,7 +70,7 @@ def test_files_are_brought_converted_checked_and_left(tmp_path, mirror):
     assert status == 0, said
     assert (tmp_path / "data/x/made.csv").read_text() == MADE
     assert "2 brought, 1 by hand, of 3 files" in said
-    assert "x/paper.csv: https://github.com/someone/rig: typed from the paper" in said
+    assert "x/paper.csv: https://github.com/someone/rig: typed from the paper; by hand, because it is a drawing" in said
     status, said = fetch(tmp_path, listed, base)
     assert status == 0 and "1 by hand, 2 there" in said
 
@@ -87,6 +87,14 @@ def test_a_file_of_another_content_is_neither_written_nor_replaced(tmp_path, mir
     assert status == 2 and "is another file" in said
     assert own.read_text() == "mine"
     assert not [left for left in own.parent.iterdir() if left.name.startswith("tmp")]
+
+
+def test_the_page_is_the_printed_one_and_gives_each_file_that_is_brought_by_hand_its_reason():
+    page = subprocess.run([sys.executable, SCRIPT, "--markdown"], capture_output=True, text=True, check=True).stdout
+    assert page == (SCRIPT.parents[1] / "docs" / "data.md").read_text(encoding="utf-8")
+    listed = json.loads((SCRIPT.parent / "data-sources.json").read_text(encoding="utf-8"))["files"]
+    assert all(("convert" in file) != ("by_hand" in file) for file in listed)
+    assert page.count("| by hand: ") == sum("by_hand" in file for file in listed)
 
 
 def test_without_a_network_it_says_so(tmp_path, mirror):

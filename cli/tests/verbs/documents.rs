@@ -118,9 +118,9 @@ fn lacks(line: &str) -> Option<&'static str> {
     let table = [
         ("--port", "--port"),
         ("--emulated", "OUTERLOOP_EMULATOR"),
-        ("benchmark", "scripts/fetch-data"),
+        ("benchmark", "docs/data.md"),
         ("diagnose", "cannot be read"),
-        ("--record", "scripts/fetch-data"),
+        ("--record", "docs/data.md"),
     ];
     table
         .iter()

@@ -102,7 +102,7 @@ fn an_afternoon_goes_as_it_is_told_without_any_data() {
             let (status, text) = outcome(step, folder.path(), &nothing);
             assert_eq!(status, Some(2), "{}: {text}", step.command);
             assert!(text.trim().lines().count() == 1, "{text}");
-            for word in ["https://", "scripts/fetch-data"] {
+            for word in ["https://", "docs/data.md"] {
                 assert!(text.contains(word), "{text}");
             }
         } else {

@@ -24,9 +24,14 @@ pub fn missing(path: &Path) -> Option<Failure> {
         (Some(repository), _) => format!("https://github.com/{repository}"),
         (None, address) => address?.to_owned(),
     };
+    let comes = match (file["by_hand"].as_str(), file["from"].as_str()) {
+        (Some(why), _) => format!("it is brought by hand ({why})"),
+        (None, Some(from)) => format!("`scripts/fetch-data` makes it of {from}"),
+        (None, None) => "`scripts/fetch-data` brings it".to_owned(),
+    };
     Some(Failure::input(format!(
-        "{}: is not there: it is other people's and no part of outerloop, published at {address}; `scripts/fetch-data` brings \
-         what has an open address, docs/data.md lists the rest, and OUTERLOOP_DATA or --data names another folder",
+        "{}: is not there: it is other people's and no part of outerloop, published at {address}; {comes}, and docs/data.md says \
+         what it holds and where it is looked for",
         path.display()
     )))
 }
@@ -42,6 +47,8 @@ mod tests {
             let path = Path::new("elsewhere").join(file["path"].as_str().unwrap());
             let said = missing(&path).unwrap().to_string();
             assert!(said.contains("https://"), "{said}");
+            let by_hand = said.contains("is brought by hand (");
+            assert!(by_hand != file["convert"].is_string(), "{said}");
         }
         assert!(missing(Path::new("my-own.csv")).is_none());
         assert!(missing(Path::new("..")).is_none());
