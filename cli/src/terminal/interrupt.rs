@@ -3,20 +3,25 @@
 
 use experiment::trace::{AnyRecord, TestObserver};
 use outerloop_core::Event;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering::SeqCst};
 use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
-static MOVES: AtomicBool = AtomicBool::new(false);
+static WORK: AtomicU8 = AtomicU8::new(TESTS);
+static CAUGHT: Once = Once::new();
 static FIRST: OnceLock<Instant> = OnceLock::new();
+
+/// What a signal ends: tests that are run one after another, one whose rig does not move yet, a rig that moves.
+const TESTS: u8 = 0;
+const BEFORE_ARMING: u8 = 1;
+const RIG: u8 = 2;
 
 /// Signals that come together are one wish: a closed terminal is told by the shell and by the system.
 const TOGETHER: Duration = Duration::from_secs(1);
 
 /// From now on the first signal lets the work end early, and a later one ends the program.
 pub fn watch() {
-    static CAUGHT: Once = Once::new();
     CAUGHT.call_once(|| {
         if let Err(e) = ctrlc::set_handler(asked_again) {
             eprintln!("outerloop: note: Ctrl-C cannot be caught ({e}): it ends the program, and a board trips by itself");
@@ -26,11 +31,26 @@ pub fn watch() {
 
 /// The same where a rig moves.
 pub fn watch_rig() {
-    MOVES.store(true, SeqCst);
+    WORK.store(RIG, SeqCst);
     watch();
 }
 
+/// Until [`watch_rig`] a signal ends the program at once and says that nothing has moved: an image is built, a board is looked
+/// for, a ground motion is sent to it. Of several tests the others are kept: where signals are watched already, this does nothing.
+pub fn watch_before_arming() {
+    if !CAUGHT.is_completed() {
+        WORK.store(BEFORE_ARMING, SeqCst);
+        watch();
+    }
+}
+
 fn asked_again() {
+    if WORK.load(SeqCst) == BEFORE_ARMING {
+        eprintln!(
+            "\nouterloop: ended by hand before the board was armed: nothing has moved, and nothing is recorded"
+        );
+        std::process::exit(1);
+    }
     let first = *FIRST.get_or_init(Instant::now);
     if ASKED.swap(true, SeqCst) {
         if first.elapsed() > TOGETHER {
@@ -38,7 +58,7 @@ fn asked_again() {
         }
         return;
     }
-    if MOVES.load(SeqCst) {
+    if WORK.load(SeqCst) == RIG {
         eprintln!(
             "\nouterloop: ends, and a rig that moves comes to rest on the deceleration ramp first; Ctrl-C again gives up the \
              link, and a board that moves trips"

@@ -7,6 +7,7 @@ use crate::board::{
     calibrate, commission, identify,
 };
 use crate::improve::TestSite;
+use crate::terminal::interrupt;
 use experiment::Experiment;
 use experiment::bench;
 use experiment::bench::Played;
@@ -125,12 +126,14 @@ impl RigArguments {
     ) -> Result<Option<ConnectedBoard>, Failure> {
         let operator = self.operator()?;
         if let Some(port) = self.serial()? {
+            interrupt::watch_before_arming();
             return Ok(Some((Connection::new(port, Timeouts::BOARD), operator)));
         }
         if !self.emulated {
             return Ok(None);
         }
         emulated::can_run(test)?;
+        interrupt::watch_before_arming();
         let limits = plan.without_board(&test.config.limits);
         let laboratory = EmulatedRig::of(test, seed)
             .sized_for(&limits, plan)

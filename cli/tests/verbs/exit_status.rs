@@ -51,6 +51,31 @@ fn a_simulated_runaway_is_stopped_before_its_numbers_mean_nothing() {
     assert!(said.contains("The simulation was stopped there"), "{said}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_signal_before_a_board_is_armed_says_that_nothing_has_moved() {
+    use std::io::Read as _;
+    use std::os::unix::fs::PermissionsExt as _;
+    let home = tempfile::tempdir().unwrap();
+    // An emulator that never says a word.
+    let silent = home.path().join("emu");
+    fs::write(&silent, "#!/bin/sh\necho started >&2\ncat >/dev/null\n").unwrap();
+    fs::set_permissions(&silent, fs::Permissions::from_mode(0o755)).unwrap();
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        let out = home.path().join("out");
+        let mut run = command(&["run", TABLE1, "--emulated", "--out", out.to_str().unwrap()]);
+        run.env("OUTERLOOP_EMULATOR", &silent)
+            .env("OUTERLOOP_IMAGE", &silent);
+        let (mut running, mut rest, _) = crate::common::started(run, "started");
+        crate::common::send_signal(&running, signal);
+        assert_eq!(running.wait().unwrap().code(), Some(1), "{signal}");
+        let mut said = String::new();
+        rest.read_to_string(&mut said).unwrap();
+        assert!(said.contains("before the board was armed"), "{said}");
+        assert!(!out.exists());
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_under_standard_output_is_one_sentence() {
