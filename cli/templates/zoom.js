@@ -20,6 +20,8 @@ for (const plot of document.querySelectorAll(".plot")) {
   });
   const rising = curves.length > 0 && curves.every((c) => c.rising && !c.path.classList.contains("dots"));
   let view = { x: [...whole.x], y: [...whole.y] };
+  // Points are kept in 16 bits: a view is no narrower than a share of the whole at which their steps do not show.
+  const noLess = ([a, b], [from, to]) => { const more = Math.max(0, ((to - from) / 300 - (b - a)) / 2); return [a - more, b + more]; };
   const px = (v) => left + (right - left) * (v - view.x[0]) / (view.x[1] - view.x[0]);
   const py = (v) => bottom - (bottom - top) * (v - view.y[0]) / (view.y[1] - view.y[0]);
   // As few digits as tell all of them apart.
@@ -123,10 +125,12 @@ for (const plot of document.querySelectorAll(".plot")) {
         const inside = curves.filter((c) => !c.path.classList.contains("off"))
           .flatMap((c) => c.points.filter((p) => p[0] >= x[0] && p[0] <= x[1]).map((p) => p[1]));
         const low = inside.reduce((m, v) => Math.min(m, v), Infinity), high = inside.reduce((m, v) => Math.max(m, v), -Infinity);
-        const room = 0.06 * (high - low) || 1;
+        const room = 0.06 * (high - low);
         y = inside.length ? [low - room, high + room] : view.y;
       }
-      if (x[1] > x[0] && y[1] > y[0]) { view = { x, y }; draw(); plot.classList.add("zoomed"); }
+      view = { x: noLess(x, whole.x), y: noLess(y, whole.y) };
+      draw();
+      plot.classList.add("zoomed");
     }
     from = null;
     for (const key of ["width", "height"]) frame.setAttribute(key, 0);

@@ -189,7 +189,11 @@ pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) ->
     let least = least_height(&tall, shape);
     tall = no_less(tall, least);
     if let Some(reach) = shape.reach {
-        tall = tall.start.max(-reach)..tall.end.min(reach);
+        let cut = tall.start.max(-reach)..tall.end.min(reach);
+        // What lies beyond as a whole is not cut away.
+        if cut.start < cut.end {
+            tall = cut;
+        }
     }
     let y = PlotAxis::new(tall, height - BELOW..TOP);
     let drawing = Drawing {
@@ -458,5 +462,27 @@ mod tests {
         let points = vec![(0.0, 0.0), (1.0, 1e19)];
         let svg = plot(WIDE.within(5.0), "x", "y", &[Curve::new(WRONG, points)]);
         assert!(svg.contains("e0\"") && !svg.contains("e19"), "{svg}");
+        for reach in [0.0, 5.0] {
+            let points = vec![(0.0, 7.0), (1.0, 9.0)];
+            let svg = plot(WIDE.within(reach), "x", "y", &[Curve::new(WRONG, points)]);
+            assert!(svg.matches("class=\"y\"").count() >= 2 && !svg.contains("NaN"));
+        }
+    }
+
+    #[test]
+    fn an_axis_of_any_range_has_two_labels() {
+        for shape in [WIDE, HALF, WIDE.of_percent()] {
+            for step in 0..400 {
+                let span = 10_f64.powf(f64::from(step) / 100.0 - 2.0);
+                let points = |middle: f64| vec![(0.0, middle - span), (span, middle + span)];
+                for curve in [points(0.0), points(span), points(0.3)] {
+                    let svg = plot(shape, "x", "y", &[Curve::new(TESTED, curve)]);
+                    for axis in ["x", "y"] {
+                        let labels = svg.matches(&format!("class=\"{axis}\"")).count();
+                        assert!(labels >= 2, "{axis}: {labels} at {span}");
+                    }
+                }
+            }
+        }
     }
 }
