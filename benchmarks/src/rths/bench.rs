@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// J4 from which on a trial counts as lost, per cent.
 pub const LOST_PERCENT: f64 = 100.0;
@@ -142,13 +143,19 @@ impl Benchmark<'_> {
                 })
             })
             .collect();
-        let found: Vec<Option<Vec<Vec<TrialVerdict>>>> = tasks
-            .par_iter()
-            .map(|task| match tell(0) {
-                ControlFlow::Continue(()) => self.verdicts(task, &noise, tell).map(Some),
-                ControlFlow::Break(()) => Ok(None),
+        // Each thread takes the next task, not a part of the list: what is ended early has whole cases soon.
+        let next = AtomicUsize::new(0);
+        let mut found: Vec<(usize, Option<Vec<Vec<TrialVerdict>>>)> = (0..tasks.len())
+            .into_par_iter()
+            .map(|_| {
+                let i = next.fetch_add(1, Relaxed);
+                Ok(match tell(0) {
+                    ControlFlow::Continue(()) => (i, Some(self.verdicts(&tasks[i], &noise, tell)?)),
+                    ControlFlow::Break(()) => (i, None),
+                })
             })
             .collect::<Result<_, _>>()?;
+        found.sort_unstable_by_key(|(i, _)| *i);
         let about_mean = self.about_mean();
         let mut rows = Vec::new();
         let batches = 1 + self.plants / LANES;
@@ -157,7 +164,7 @@ impl Benchmark<'_> {
             for (place, found) in found.chunks(batches).enumerate() {
                 let Some(found) = found
                     .iter()
-                    .map(Option::as_ref)
+                    .map(|(_, verdicts)| verdicts.as_ref())
                     .collect::<Option<Vec<&Vec<Vec<TrialVerdict>>>>>()
                 else {
                     continue;
