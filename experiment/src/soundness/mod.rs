@@ -235,10 +235,12 @@ fn of_small_and_planned_motion(
     elastic: bool,
 ) -> Option<(SoundnessVerdict, String)> {
     use SoundnessVerdict::{Doubtful, Unstable};
-    let grows = format!(
-        "small motions grow by {} a second",
-        percent(small.growth_per_s.exp_m1())
-    );
+    let grows = match small.growth_per_s.exp_m1() {
+        a_second if a_second.is_finite() => {
+            format!("small motions grow by {} a second", percent(a_second))
+        }
+        _ => "small motions grow at once".to_owned(),
+    };
     if ran_away(own) {
         let grows = if small.stable {
             String::new()
