@@ -137,12 +137,16 @@ impl Recording {
     pub fn odd_rate(&self) -> Option<String> {
         let (name, h) = (&self.name, self.interval_s());
         if h >= SLOW_S {
-            let (unit, column) = match 1e-3 * h >= SLOW_S {
-                true => ("microseconds", "time_us"),
-                false => ("milliseconds", "time_ms"),
+            // Which of them the header says is not known here.
+            let (units, columns) = match 1e-3 * h >= SLOW_S {
+                true => ("microseconds or milliseconds", "time_us or time_ms"),
+                false => (
+                    "milliseconds, microseconds or seconds",
+                    "time_ms, time_us or time_s",
+                ),
             };
             return Some(format!(
-                "{name}: samples lie {h:.4} s apart. Is the time in {unit}? Then its column is {column}."
+                "{name}: samples lie {h:.4} s apart. Is the time in {units}? Then its column is {columns}."
             ));
         }
         // Seconds under milliseconds, or minutes under seconds.
@@ -473,11 +477,11 @@ mod tests {
         let mut r = even(1000);
         r.time_s.iter_mut().for_each(|t| *t *= 1e3);
         let r = r.made_even().unwrap();
-        assert!(r.remarks[0].contains("Is the time in milliseconds?"));
+        assert!(r.remarks[0].contains("Is the time in milliseconds, microseconds or seconds?"));
         for (factor, asked) in [
             (
                 1e6,
-                "Is the time in microseconds? Then its column is time_us",
+                "Is the time in microseconds or milliseconds? Then its column is time_us",
             ),
             (1e-3, "Is the time in seconds or minutes?"),
             (1.0 / 60.0, "time_s or time_min"),

@@ -29,6 +29,9 @@ pub struct GroundMotionFile {
 /// The strongest that was ever recorded is 4.4 g (Iwate-Miyagi 2008): beyond this the unit is not what the file says.
 const STRONGEST_M_PER_S2: f64 = 6.0 * 9.80665;
 
+/// Distances between samples of an accelerogram, s: beyond them the time is in another unit than its name says.
+const INTERVALS_S: std::ops::RangeInclusive<f64> = 2e-5..=0.5;
+
 impl GroundMotionFile {
     /// Reads a file by its ending and its first lines.
     ///
@@ -99,6 +102,15 @@ impl GroundMotionFile {
             return Err(Failure::input(format!(
                 "{file}: has {} points: accepted are at least 2",
                 acc.len()
+            )));
+        }
+        if !INTERVALS_S.contains(&points.interval_s) {
+            return Err(Failure::input(format!(
+                "{file}: samples lie {} s apart, as in no accelerogram: accepted are {} to {} s; is the time in another unit \
+                 than seconds?",
+                points.interval_s,
+                INTERVALS_S.start(),
+                INTERVALS_S.end()
             )));
         }
         let peak = acc.iter().fold(0.0_f64, |p, a| p.max(a.abs()));

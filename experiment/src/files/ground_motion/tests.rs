@@ -314,3 +314,26 @@ fn each_mistake_is_refused_with_its_line() {
     let e = load("a.csv", csv, plain(0.01, AccelerationUnit::G)).unwrap_err();
     assert!(e.contains("0.02 s and --dt says 0.01 s"), "{e}");
 }
+
+#[test]
+fn a_time_in_another_unit_is_asked_about() {
+    for (interval, good) in [
+        (0.01, true),
+        (10.0, false),
+        (10_000.0, false),
+        (1e-5, false),
+    ] {
+        let rows: String = (0..50)
+            .map(|i| format!("{},0.1\n", f64::from(i) * interval))
+            .collect();
+        let read = load(
+            "a.csv",
+            &format!("time_s,acc_g\n{rows}"),
+            ColumnChoice::default(),
+        );
+        match read {
+            Ok(_) => assert!(good, "{interval}"),
+            Err(e) => assert!(!good && e.to_string().contains("another unit"), "{e}"),
+        }
+    }
+}
