@@ -118,6 +118,12 @@ impl Document {
         );
     }
 
+    /// A sentence in front of all others, on the page alone.
+    pub fn warn_first(&mut self, text: impl Into<String>) {
+        let warning = Content::Verdict(Grade::Fair, text.into());
+        self.parts.insert(0, (Shown::OnPage, warning));
+    }
+
     /// A sentence.
     pub fn say(&mut self, text: impl Into<String>) {
         self.push(Shown::Everywhere, Content::Paragraph(text.into()));

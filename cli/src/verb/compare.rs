@@ -1,7 +1,9 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
 use super::diff::Diff;
-use super::{CommonArguments, MethodName, each_record, hand_over, json, no_files, require_all_ran};
+use super::{
+    CommonArguments, MethodName, each_record, hand_over_tests, json, no_files, require_all_ran,
+};
 use crate::answer::{TestSection, of_compare};
 use crate::provenance::WithProvenance;
 use crate::terminal::{Progress, interrupt};
@@ -80,7 +82,9 @@ impl Compare {
         let rows: Vec<Summary> = runs.iter().map(|(_, run)| run.summary.clone()).collect();
         let all = serde_json::json!({ "rows": rows });
         let text = json(&WithProvenance::seeded(&all, self.common.seed))?;
-        hand_over(
+        let asked = experiments.len() * methods.len();
+        hand_over_tests(
+            (rows.len(), asked),
             (out, self.common.json),
             ("compare.json", &text),
             no_files,
@@ -96,7 +100,7 @@ impl Compare {
                 Ok(of_compare(&rows, &kept.collect::<Vec<_>>()))
             },
         )?;
-        require_all_ran(rows.len(), experiments.len() * methods.len())?;
+        require_all_ran(rows.len(), asked)?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
         if rows.iter().all(|r| r.validity() == Validity::Bad) {
             return Err(Failure::test(

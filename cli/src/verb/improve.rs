@@ -1,7 +1,7 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use super::{CommonArguments, hand_over, json, require_all_ran};
+use super::{CommonArguments, hand_over_tests, json, require_all_ran};
 use crate::answer::of_improvements;
 use crate::designed_test;
 use crate::improve::{DESIGNED, Improvement, ImprovementOutcome};
@@ -100,7 +100,8 @@ impl Improve {
             rows: named.iter().map(|(name, s)| row(name, s)).collect(),
         };
         let summary = json(&WithProvenance::seeded(&rows, self.common.seed))?;
-        hand_over(
+        hand_over_tests(
+            (stories.len(), files.len()),
             (out, self.common.json),
             ("summary.json", &summary),
             || files_of(&named),

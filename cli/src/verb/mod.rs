@@ -190,6 +190,25 @@ fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
     Ok(())
 }
 
+/// The same of several tests; the page begins with how many of them ran where not all did.
+fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
+    (done, asked): (usize, usize),
+    wanted: (Option<&Path>, bool),
+    named: (&'static str, &str),
+    files: impl FnOnce() -> Result<Vec<(N, T)>, Failure>,
+    document: impl FnOnce(bool) -> Result<Document, Failure>,
+) -> Result<(), Failure> {
+    hand_over(wanted, named, files, |page| {
+        let mut document = document(page)?;
+        if done != asked {
+            document.warn_first(format!(
+                "**Interrupted**: {done} of {asked} tests ran, and only they are reported."
+            ));
+        }
+        Ok(document)
+    })
+}
+
 /// Where a verb has nothing beside the page and its JSON.
 fn no_files() -> Result<Vec<(&'static str, String)>, Failure> {
     Ok(Vec::new())

@@ -1,7 +1,7 @@
 //! `outerloop sweep`: the same test over the values of one key, or on rigs that are drawn around the declared one; under that
 //! name also `outerloop monte-carlo`.
 
-use super::{CommonArguments, MethodName, each_record, hand_over, json, require_all_ran};
+use super::{CommonArguments, MethodName, each_record, hand_over_tests, json, require_all_ran};
 use crate::answer::{self, TestSection};
 use crate::many::{self, OneOfMany, Outcome, Range};
 use crate::provenance::WithProvenance;
@@ -144,7 +144,9 @@ impl Sweep {
         let path = &range.path;
         let swept = SweepResult { path, rows: &rows };
         let names: Vec<&'static str> = methods.iter().map(|m| m.name()).collect();
-        hand_over(
+        let asked = range.values.len() * each_record(&self.record).len() * methods.len();
+        hand_over_tests(
+            (rows.len(), asked),
             (out.as_deref(), self.common.json),
             (
                 "sweep.json",
@@ -153,7 +155,6 @@ impl Sweep {
             || Ok(vec![("sweep.csv", values_csv(&rows))]),
             |page| Ok(answer::of_values(path, &rows, &names, first, page)),
         )?;
-        let asked = range.values.len() * each_record(&self.record).len() * methods.len();
         require_all_ran(rows.len(), asked)
     }
 
@@ -239,7 +240,8 @@ impl Sweep {
             let worst = Some((&rigs[worst], section));
             Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, worst))
         };
-        hand_over(
+        hand_over_tests(
+            (rows.len(), tests),
             (out.as_deref(), self.common.json),
             (
                 "monte-carlo.json",

@@ -1,6 +1,7 @@
 //! `outerloop sweep`: one row a test, the same figures as `run`, drawn rigs, mistakes by name.
 
-use crate::common::{json, outerloop, refused};
+use crate::common::{command, json, outerloop, refused, send_signal};
+use std::process::Stdio;
 
 const TABLE1: &str = "examples/table1.toml";
 
@@ -84,4 +85,26 @@ fn mistakes_are_named() {
         "none",
     ]);
     assert!(String::from_utf8_lossy(&lost.stdout).contains("lost"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_page_of_tests_that_were_ended_early_begins_with_how_many_ran() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").display().to_string();
+    let mut sweep = command(&["sweep", TABLE1, "--drawn", "20000", "--out", &out]);
+    let mut running = sweep
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    send_signal(&running, "-HUP");
+    assert_eq!(running.wait().unwrap().code(), Some(1));
+    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    let first = page.split("<p class=\"verdict").nth(1).unwrap();
+    assert!(
+        first.contains("of 20000 tests ran, and only they"),
+        "{first:.200}"
+    );
 }

@@ -8,7 +8,7 @@ use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
 use crate::answer::benchmark::{DeclaredPart, of_marths};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{self, Progress, interrupt};
-use crate::verb::{hand_over, json, require_all_ran};
+use crate::verb::{hand_over_tests, json, require_all_ran};
 use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
@@ -148,10 +148,11 @@ impl Marths {
             Ok(declared.into_iter().chain(of_records).collect())
         };
         let (drawn, asked) = ((self.plants, self.seed), (out.as_deref(), self.json));
-        hand_over(asked, ("marths.json", &text), files, |page| {
+        let ran = (rows.len(), records.len() * contestants.len());
+        hand_over_tests(ran, asked, ("marths.json", &text), files, |page| {
             of_marths(&problem, &parts, &rows, &goals, drawn, page)
         })?;
-        require_all_ran(rows.len(), records.len() * contestants.len())
+        require_all_ran(ran.0, ran.1)
     }
 
     /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.
