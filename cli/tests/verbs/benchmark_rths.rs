@@ -63,9 +63,9 @@ fn the_targets_are_reached_by_official_rules() {
     }
 }
 
-/// What is missed is a row of the table with its figure, a sentence with its reason, and no green box in the page.
+/// What this program's makers missed is a row of a table with its figure, a sentence with its reason, and not on the page.
 #[test]
-fn what_is_missed_is_said_with_its_reason_and_is_not_green() {
+fn what_is_missed_is_said_with_its_reason_and_is_not_on_the_page() {
     let Some(records) = test_data::file("ground-motion/RTHSBENCH_ElCentro.csv") else {
         return;
     };
@@ -90,11 +90,7 @@ fn what_is_missed_is_said_with_its_reason_and_is_not_green() {
         .unwrap_or_else(|| panic!("{text}"));
     assert!(missed.contains("missed by") && missed.contains("--deviate uniform-plants"));
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    for verdict in page.split("<p class=\"verdict").skip(1) {
-        let (class, rest) = verdict.split_once('>').unwrap();
-        let sentence = rest.split("</p>").next().unwrap();
-        assert_eq!(class == " fair\"", sentence.contains("missed"), "{verdict}");
-    }
+    assert!(!page.contains("asked for") && !page.contains("Missed"));
 }
 
 /// 30 s of decaying noise, the same every time, as a ground motion in g.
