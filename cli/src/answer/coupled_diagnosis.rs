@@ -56,7 +56,8 @@ pub(super) fn verdicts(d: &mut Document, diagnosis: &CoupledDiagnosis) {
     if diagnosis.coordinates.iter().any(|c| !c.wrong.is_empty()) {
         d.heading("What is not as declared");
         let rows = diagnosis.coordinates.iter().flat_map(wrong_rows);
-        d.table(table(&head).with_words(3).with_rows(rows));
+        let entries = table(&head).with_words(3).least_important(&[4, 6]);
+        d.table(entries.with_rows(rows));
     }
     d.heading("Errors on held-out data");
     let head = [

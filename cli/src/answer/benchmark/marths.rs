@@ -44,7 +44,9 @@ pub fn of_marths(
             close_up_section(&mut d, problem, record, seed)?;
         }
         d.say(format!("\n{}", floors(&group[0])));
-        d.table(table(&HEAD).with_rows(group.iter().map(cells)));
+        // Of what does not fit, the strokes as read go first: the true ones stand beside them.
+        let standings = table(&HEAD).least_important(&[1, 6, 3]);
+        d.table(standings.with_rows(group.iter().map(cells)));
     }
     d.explain(LEGEND);
     d.on_page(|d| d.items(MEANING.map(str::to_owned).to_vec()));

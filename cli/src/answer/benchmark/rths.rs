@@ -53,7 +53,8 @@ pub fn of_rths(
     for (name, group) in by_record(rows) {
         d.subheading(name);
         d.tell(format!("\n{name}"));
-        d.table(table(&summary_head(group)).with_rows(summary(group)));
+        let standings = table(&summary_head(group)).least_important(&[1, 3, 5]);
+        d.table(standings.with_rows(summary(group)));
     }
     if with_page {
         for record in bench.records {
