@@ -12,9 +12,10 @@ use textwrap::core::display_width;
 const SPACIOUS: usize = 120;
 /// A longer word, such as a path, may be broken.
 const LONGEST_WORD: usize = 44;
-/// Columns, and letters in a row, that fit into the width of a page's text.
+/// Columns, letters in a row, and letters in the heads, that fit into the width of a page's text.
 const TEXT_COLUMNS: usize = 9;
 const TEXT_LETTERS: usize = 90;
+const HEAD_LETTERS: usize = 80;
 
 /// A row of a table.
 #[derive(Clone, Debug, Default)]
@@ -148,7 +149,8 @@ impl Table {
     pub(super) fn is_wide(&self) -> bool {
         let letters = |row: &TableRow| row.cells.iter().map(String::len).sum::<usize>();
         let longest = self.rows.iter().map(letters).max().unwrap_or(0);
-        self.head.len() > TEXT_COLUMNS || longest > TEXT_LETTERS
+        let heads = self.head.iter().map(String::len).sum::<usize>();
+        self.head.len() > TEXT_COLUMNS || longest > TEXT_LETTERS || heads > HEAD_LETTERS
     }
 
     /// The table with each unit bound to its number.
