@@ -1,15 +1,17 @@
 //! Watches one actuator of a running test: whether the rig still does what its declared model says, and what it lacks if not.
 //!
 //! ```text
-//!  interrupt: command, displacement, force ─► Tap: sums of a few steps, run lengths ─► Block, 500 a second
-//!  thread:    Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
+//!  interrupt: command, displacement, force of each step ─►┐
+//!  thread:    Taps: sums of a few steps, run lengths ◄────┘ ─► Block, 500 a second
+//!             Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
 //!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! | file | what is there |
 //! |---|---|
-//! | `tap.rs`, `post.rs` | what is done in the control interrupt: blocks go out, orders come back after a fixed time |
+//! | `post.rs` | what is done in the control interrupt: steps go out, orders come back after a fixed time |
+//! | `tap.rs` | blocks of steps |
 //! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
@@ -50,7 +52,7 @@ pub use name::{Cause, Set, Side};
 pub use orders::{Alarm, AxisOrders, Orders};
 pub(crate) use post::Post;
 pub use state::{Finding, State};
-pub use tap::{Block, Tap, steps_in_block};
+pub use tap::{Block, Seen, Tap, Taps, steps_in_block};
 pub use verdict::Verdict;
 
 use crate::refusal::Refusal;
