@@ -42,7 +42,7 @@ impl Hypothesis {
     /// The columns that explain it about as well.
     pub(super) fn set(&self) -> impl Iterator<Item = usize> {
         let least = 0.92 * self.d - 6.0;
-        let d = self.answer.d;
+        let d = self.answer.ratios();
         (0..d.len()).filter(move |j| d[*j] > 0.0 && d[*j] > least)
     }
 }
@@ -64,7 +64,8 @@ mod tests {
     fn a_limit_is_in_doubt_where_it_explains_what_stands_out_about_as_well_as_the_best() {
         let in_doubt = |gain: f32, stroke: f32| {
             let mut answer = Answer::default();
-            (answer.d[1], answer.d[6]) = (gain, stroke);
+            // Without a deviation it is the square of the coefficient.
+            (answer.theta[1], answer.theta[6]) = (libm::sqrtf(gain), libm::sqrtf(stroke));
             Hypothesis::of(answer).is_limit_in_doubt(8.0)
         };
         assert!(in_doubt(100.0, 95.0), "gain fits best, a stroke nearly");

@@ -49,7 +49,7 @@ const LATE_OFF: f32 = 0.6;
 /// Scales of the values.
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
-    half: super::declared::HalfTolerances,
+    pub(super) half: super::declared::HalfTolerances,
     peak_m: f32,
     omega: f32,
     stiffness: f32,

@@ -269,8 +269,13 @@ impl Watch {
             let unloading = specimen.then(|| self.unloading.add(&row)).flatten();
             let kinds = [actuator, specimen && self.judge.elastic];
             let fresh = self.judge.doubts();
-            self.regressions
-                .add(&k.regression, &row, fresh, kinds, unloading);
+            self.regressions.add(
+                (&k.regression, &k.judge.half),
+                &row,
+                fresh,
+                kinds,
+                unloading,
+            );
         }
         self.work() | changed
     }
@@ -387,4 +392,24 @@ pub fn judge<'a>(
         });
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_is_no_larger_than_a_board_has_room_for() {
+        let parts = [
+            ("constants", size_of::<Constants>()),
+            ("regressions", size_of::<Regressions>()),
+            ("judge", size_of::<Judge>()),
+            ("signals", size_of::<Signals>()),
+            ("listeners", size_of::<[Listener; 2]>()),
+            ("frozen", size_of::<Frozen>()),
+        ];
+        // No pointers in it: here as on a board.
+        let bytes = size_of::<Watch>();
+        assert!(bytes <= 4096, "{bytes} bytes, of these {parts:?}");
+    }
 }

@@ -3,11 +3,11 @@
 
 use libm::sqrtf;
 
-/// Weighted sums of a regression with `M` columns.
+/// Weighted sums of a regression with `M` columns, which have `T` products: the columns' numbers from 1 to `M` added up.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Normal<const M: usize> {
-    /// Lower triangle: products of columns.
-    a: [[f32; M]; M],
+pub(super) struct Normal<const M: usize, const T: usize> {
+    /// Products of columns: the lower triangle, row by row.
+    a: [f32; T],
     b: [f32; M],
     /// Squares of what is to be explained, and of the motion.
     total: f32,
@@ -21,8 +21,6 @@ pub(super) struct Solved<const M: usize> {
     /// Each column's coefficient if it alone were free, in half tolerances, and its standard deviation.
     pub(super) theta: [f32; M],
     pub(super) sd: [f32; M],
-    /// Twice the logarithm of the likelihood ratio of letting it alone go.
-    pub(super) d: [f32; M],
     /// Share of the residual that all columns free together explain, and the mean square that they leave.
     pub(super) explained: f32,
     pub(super) left: f32,
@@ -38,15 +36,27 @@ pub(super) struct Noise {
     pub(super) coloured: f32,
 }
 
+/// Twice the logarithm of the likelihood ratio of letting a column alone go, by its coefficient with the standard deviation, half
+/// tolerances; 0 where the motion tells nothing of it.
+pub(super) fn ratio(theta: f32, sd: f32) -> f32 {
+    theta * theta / (sd * sd + 1.0)
+}
+
 /// Prior variance of a free column, in half tolerances squared.
 const FREE: f32 = 900.0;
 /// Share of what the free fit leaves that counts as noise.
 const LEFT_COUNTS: f32 = 0.15;
 
-impl<const M: usize> Normal<M> {
+/// Where the product of the columns `j` and `k` is.
+const fn place(j: usize, k: usize) -> usize {
+    let (row, column) = if k <= j { (j, k) } else { (k, j) };
+    row * (row + 1) / 2 + column
+}
+
+impl<const M: usize, const T: usize> Normal<M, T> {
     pub(super) const fn new() -> Self {
         Self {
-            a: [[0.0; M]; M],
+            a: [0.0; T],
             b: [0.0; M],
             total: 0.0,
             motion: 0.0,
@@ -59,7 +69,8 @@ impl<const M: usize> Normal<M> {
     pub(super) fn add(&mut self, keeps: f32, row: &[f32; M], residual: f32, motion: f32) {
         for j in 0..M {
             for k in 0..=j {
-                self.a[j][k] = keeps * self.a[j][k] + row[j] * row[k];
+                let a = &mut self.a[place(j, k)];
+                *a = keeps * *a + row[j] * row[k];
             }
             self.b[j] = keeps * self.b[j] + row[j] * residual;
         }
@@ -82,8 +93,7 @@ impl<const M: usize> Normal<M> {
         for j in 0..M {
             left -= 2.0 * wide[j] * self.b[j];
             for k in 0..M {
-                let a = if k <= j { self.a[j][k] } else { self.a[k][j] };
-                left += wide[j] * a * wide[k];
+                left += wide[j] * self.a[place(j, k)] * wide[k];
             }
         }
         let left = if left > 0.0 { left } else { 0.0 };
@@ -92,7 +102,6 @@ impl<const M: usize> Normal<M> {
         let mut solved = Solved {
             theta: [0.0; M],
             sd: [0.0; M],
-            d: [0.0; M],
             explained: if self.total > 0.0 {
                 1.0 - left / self.total
             } else {
@@ -105,12 +114,11 @@ impl<const M: usize> Normal<M> {
             let freedom = 1.0 - p[j][j];
             if freedom > 1e-3 {
                 solved.theta[j] = mu[j] / freedom;
-                let variance = p[j][j] / freedom;
-                solved.sd[j] = sqrtf(variance);
-                solved.d[j] = solved.theta[j] * solved.theta[j] / (variance + 1.0);
+                solved.sd[j] = sqrtf(p[j][j] / freedom);
             }
         }
-        solved.d.iter().all(|d| d.is_finite()).then_some(solved)
+        let mut ratios = (0..M).map(|j| ratio(solved.theta[j], solved.sd[j]));
+        ratios.all(f32::is_finite).then_some(solved)
     }
 
     /// Covariance and mean under a prior of precision `ridge` in every column.
@@ -120,7 +128,7 @@ impl<const M: usize> Normal<M> {
         let mut p = [[0.0; M]; M];
         for j in 0..M {
             for k in 0..=j {
-                p[j][k] = self.a[j][k] * per;
+                p[j][k] = self.a[place(j, k)] * per;
             }
             p[j][j] += ridge;
         }
@@ -202,7 +210,7 @@ mod tests {
     #[test]
     fn each_hypothesis_is_the_fit_with_that_column_free() {
         // Two columns; a residual of 10 half tolerances of the first and some noise.
-        let mut n = Normal::<2>::new();
+        let mut n = Normal::<2, 3>::new();
         let noise = Noise {
             white: 1e-4,
             floor: 0.0,
@@ -217,12 +225,13 @@ mod tests {
         }
         let s = n.solve(&noise, 0.0).unwrap();
         assert!((s.theta[0] - 10.0).abs() < 2.0 * s.sd[0], "{s:?}");
-        assert!(s.d[0] > 20.0 && s.d[1] < 2.0, "{s:?}");
+        let d = |s: &Solved<2>| [0, 1].map(|j| ratio(s.theta[j], s.sd[j]));
+        assert!(d(&s)[0] > 20.0 && d(&s)[1] < 2.0, "{s:?}");
         // A motion that tells nothing names nothing.
-        let mut still = Normal::<2>::new();
+        let mut still = Normal::<2, 3>::new();
         for _ in 0..500 {
             still.add(1.0, &[0.0, 0.0], 0.01, 0.0);
         }
-        assert_eq!(still.solve(&noise, 0.0).unwrap().d, [0.0, 0.0]);
+        assert_eq!(d(&still.solve(&noise, 0.0).unwrap()), [0.0, 0.0]);
     }
 }
