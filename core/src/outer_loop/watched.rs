@@ -31,14 +31,14 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     pub fn shown(&mut self) -> Option<(u32, [Seen; N])> {
         let number = self.post.take()?;
         let record = self.history.latest();
-        let seen = |j: usize| {
-            [
-                record.sent_m[j],
-                record.displacement_m[j],
-                record.force_n[j],
-            ]
-        };
-        Some((number, core::array::from_fn(seen)))
+        let read = record.displacement_m.iter().zip(&record.force_n);
+        let mut seen = [[0.0; 3]; N];
+        for (seen, (sent_m, (displacement_m, force_n))) in
+            seen.iter_mut().zip(record.sent_m.iter().zip(read))
+        {
+            *seen = [*sent_m, *displacement_m, *force_n];
+        }
+        Some((number, seen))
     }
 
     /// What the watch asks for, having seen block `number`; none where that is what it asked for before. It comes into force a
