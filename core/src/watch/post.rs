@@ -102,12 +102,12 @@ impl<const N: usize> Post<N> {
             self.flags |= flag::WATCH_LATE;
             return false;
         }
-        let at = place(self.full);
-        self.full = self.full.wrapping_add(1);
+        let number = self.full;
+        self.full = number.wrapping_add(1);
         // Of the first blocks there is none yet.
-        let others = self.others[at];
+        let others = self.others[place(number)];
         if others {
-            self.change(at);
+            self.change(number);
         }
         others
     }
@@ -115,8 +115,8 @@ impl<const N: usize> Post<N> {
     /// Other orders are in force.
     #[cold]
     #[inline(never)]
-    fn change(&mut self, at: usize) {
-        self.in_force = self.orders[at];
+    fn change(&mut self, number: u32) {
+        self.in_force = self.orders[place(number)];
         self.flags = self.in_force.flags();
     }
 
