@@ -33,7 +33,7 @@ impl Hypothesis {
 
     /// True if it stands out enough for a name.
     pub(super) fn is_name(&self, regression: usize) -> bool {
-        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd[self.column]);
+        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
         self.d > NAME[regression]
             && theta.abs() > 2.0 + BEYOND[regression] * sd
             && self.answer.explained > EXPLAINED
@@ -49,7 +49,7 @@ impl Hypothesis {
 
 /// The least coefficient of a column that would be a name beside the noise of a window, half tolerances.
 pub(super) fn least_named(answer: &Answer, regression: usize, column: usize) -> Option<f32> {
-    let sd = answer.sd[column];
+    let sd = answer.sd(column);
     let beyond = 2.0 + BEYOND[regression] * sd;
     let likely = libm::sqrtf(NAME[regression] * (sd * sd + 1.0));
     // Without freedom there is no deviation either.

@@ -84,9 +84,9 @@ impl Window {
 /// What a window says of a regression; columns that it does not have are 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Answer {
-    /// Coefficients if one alone is free, in half tolerances, with standard deviations.
+    /// Coefficients if one alone is free, in half tolerances, with their variances.
     pub(super) theta: [f32; 7],
-    pub(super) sd: [f32; 7],
+    variance: [f32; 7],
     pub(super) explained: f32,
     pub(super) left: f32,
     /// Samples, natural periods of them.
@@ -102,13 +102,18 @@ impl Answer {
             ..Self::default()
         };
         own.theta[..M].copy_from_slice(&solved.theta);
-        own.sd[..M].copy_from_slice(&solved.sd);
+        own.variance[..M].copy_from_slice(&solved.variance);
         own
+    }
+
+    /// The standard deviation of a column's coefficient, half tolerances.
+    pub(super) fn sd(&self, column: usize) -> f32 {
+        libm::sqrtf(self.variance[column])
     }
 
     /// Twice the logarithm of each column's likelihood ratio.
     pub(super) fn ratios(&self) -> [f32; 7] {
-        core::array::from_fn(|j| ratio(self.theta[j], self.sd[j]))
+        core::array::from_fn(|j| ratio(self.theta[j], self.variance[j]))
     }
 
     /// The column with the largest likelihood ratio.
