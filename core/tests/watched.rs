@@ -35,7 +35,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
         let record = rig.step(&mut outer, &ground(&points)).record;
         (hash, flags) = (record.hash(hash), record.flags);
         if let Some((number, seen)) = outer.shown() {
-            full.extend(taps.add(number, &seen));
+            full.extend(taps.add(number, seen.iter()));
         }
         if i / 4 < behind || i % 4 != 3 || !answers {
             continue;
@@ -92,7 +92,7 @@ fn the_watch_stops_a_test() {
         steps += 1;
         let full = outer
             .shown()
-            .and_then(|(number, seen)| taps.add(number, &seen));
+            .and_then(|(number, seen)| taps.add(number, seen.iter()));
         if let Some((number, blocks)) = full {
             let mut orders = Orders::NONE;
             orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {

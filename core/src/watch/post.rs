@@ -133,7 +133,7 @@ impl<const N: usize> Post<N> {
 
     /// The block that a control step fills, where the loop is judged in place.
     pub(crate) fn tap(&mut self, number: u32, seen: &[Seen; N]) -> Option<(u32, [Block; N])> {
-        self.taps.add(number, seen)
+        self.taps.add(number, seen.iter())
     }
 
     /// The answer of a loop that is judged in place.

@@ -116,9 +116,13 @@ impl<const N: usize> Taps<N> {
         }
     }
 
-    /// Takes in control step `number` of the running test; step 0 begins a test. Gives the block that it fills, with its number.
-    /// After one that was lost there are no blocks until the next test.
-    pub fn add(&mut self, number: u32, seen: &[Seen; N]) -> Option<(u32, [Block; N])> {
+    /// Takes in control step `number` of the running test, of the actuators that it has; step 0 begins a test. Gives the block that
+    /// it fills, with its number. After one that was lost there are no blocks until the next test.
+    pub fn add<'a>(
+        &mut self,
+        number: u32,
+        seen: impl Iterator<Item = &'a Seen>,
+    ) -> Option<(u32, [Block; N])> {
         if number == 0 {
             self.taps.iter_mut().for_each(Tap::rest);
             (self.step, self.block) = (0, 0);
@@ -153,7 +157,8 @@ mod tests {
         let mut taps = Taps::<1>::of(4);
         let mut full = heapless::Vec::<(u32, f32), 16>::new();
         let mut show = |taps: &mut Taps<1>, number: u32| {
-            if let Some((block, [mean])) = taps.add(number, &[[0.0, number as f32, 0.0]]) {
+            let seen = [[0.0, number as f32, 0.0]];
+            if let Some((block, [mean])) = taps.add(number, seen.iter()) {
                 let _ = full.push((block, mean.displacement_m));
             }
         };

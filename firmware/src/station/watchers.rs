@@ -112,13 +112,17 @@ impl Watchers {
     /// Judges the steps that have come, each a bounded piece of work; true if state or set have changed. `now` times it.
     pub(super) fn judge(&mut self, now: fn() -> u32) -> bool {
         let mut changed = false;
-        while let Some(shown) = self.own.shown.dequeue() {
+        let actuators = self.own.watches.len();
+        // Looked at where it is: what is taken out of the queue is copied.
+        while let Some(shown) = self.own.shown.peek() {
             let begin = now();
             if shown.number == 0 {
                 self.own.watches.iter_mut().for_each(Watch::rest);
                 self.asked = Orders::NONE;
             }
-            let full = self.taps.add(shown.number, &shown.of);
+            let seen = shown.of.iter().take(actuators);
+            let full = self.taps.add(shown.number, seen);
+            let _ = self.own.shown.dequeue();
             if let Some((number, blocks)) = full {
                 changed |= self.answer(number, &blocks);
             }
