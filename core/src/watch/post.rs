@@ -22,8 +22,10 @@ pub(crate) struct Post<const N: usize> {
     /// Control steps in a block, and how many the next one lacks.
     steps: u16,
     left: u16,
-    /// How many blocks are full, and how many were answered.
+    /// How many blocks are full, and how many more may be before the next answer.
     full: u32,
+    room: u32,
+    /// How many blocks were answered.
     answered: u32,
     /// Control steps of the running test that were taken.
     taken: u32,
@@ -53,6 +55,7 @@ impl<const N: usize> Post<N> {
             steps,
             left: steps,
             full: 0,
+            room: LATENCY as u32,
             answered: 0,
             taken: 0,
             others: [false; LATENCY],
@@ -79,7 +82,8 @@ impl<const N: usize> Post<N> {
     pub(crate) fn rest(&mut self) {
         (self.in_force, self.asked) = (Orders::NONE, Orders::NONE);
         (self.flags, self.left, self.late) = (0, self.steps, false);
-        (self.full, self.answered, self.taken) = (0, 0, 0);
+        (self.full, self.room) = (0, LATENCY as u32);
+        (self.answered, self.taken) = (0, 0);
         self.others = [false; LATENCY];
     }
 
@@ -94,14 +98,11 @@ impl<const N: usize> Post<N> {
     #[inline(never)] // In place it would lengthen every step, watched or not, by the lines of the flash that it takes.
     fn fill(&mut self) -> bool {
         self.left = self.steps;
-        if self.late {
+        let Some(room) = self.room.checked_sub(1) else {
+            self.be_late();
             return false;
-        }
-        if self.full.wrapping_sub(self.answered) as usize >= LATENCY {
-            self.late = true;
-            self.flags |= flag::WATCH_LATE;
-            return false;
-        }
+        };
+        self.room = room;
         let number = self.full;
         self.full = number.wrapping_add(1);
         // Of the first blocks there is none yet.
@@ -110,6 +111,14 @@ impl<const N: usize> Post<N> {
             self.change(number);
         }
         others
+    }
+
+    /// An answer did not come in time: there are no more.
+    #[cold]
+    #[inline(never)]
+    fn be_late(&mut self) {
+        self.late = true;
+        self.flags |= flag::WATCH_LATE;
     }
 
     /// Other orders are in force.
@@ -146,13 +155,14 @@ impl<const N: usize> Post<N> {
     /// over, is no answer.
     #[inline]
     pub(crate) fn answer(&mut self, number: u32, orders: Option<&Orders<N>>) {
-        if number == self.answered && number != self.full {
+        if number == self.answered && number != self.full && !self.late {
             let at = place(number);
             self.others[at] = orders.is_some();
             if let Some(orders) = orders {
                 self.orders[at] = *orders;
             }
             self.answered = number.wrapping_add(1);
+            self.room = self.room.wrapping_add(1);
         }
     }
 
