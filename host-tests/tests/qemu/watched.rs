@@ -16,7 +16,7 @@ const FROM: usize = 16_000;
 
 /// The structure of `examples/rig-watch.toml`: a period of 1 s, 2000 steps.
 const PERIOD_STEPS: usize = 2000;
-const OMEGA_RAD_PER_S: f64 = 6.28;
+const OMEGA_RAD_PER_S: f64 = core::f64::consts::TAU;
 
 /// The example's rig, with a pure delay of `LATE_S`.
 const LATE_S: f64 = 0.014;
