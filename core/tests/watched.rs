@@ -4,8 +4,9 @@
 mod common;
 
 use common::{Rig, shaking, table1};
-use outerloop_core::watch::{Alarm, AxisOrders, Orders, State};
+use outerloop_core::watch::{Alarm, AxisOrders, Orders, State, Taps};
 use outerloop_core::{Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Record, flag};
+use std::collections::VecDeque;
 
 const RECORD_S: f64 = 6.0;
 
@@ -29,13 +30,17 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
     outer.handle(Event::Start).unwrap();
     let (mut hash, mut flags) = (Record::<1>::HASH_START, 0);
     // Four control steps are a block.
+    let (mut taps, mut full) = (Taps::<1>::of(4), VecDeque::new());
     for i in 0..8000_usize {
         let record = rig.step(&mut outer, &ground(&points)).record;
         (hash, flags) = (record.hash(hash), record.flags);
+        if let Some((number, seen)) = outer.shown() {
+            full.extend(taps.add(number, seen.iter()));
+        }
         if i / 4 < behind || i % 4 != 3 || !answers {
             continue;
         }
-        if let Some((number, [block])) = outer.next_block() {
+        if let Some((number, [block])) = full.pop_front() {
             let mut orders = Orders::NONE;
             let mm = 1e3 * block.displacement_m;
             orders.axes[0] = AxisOrders {
@@ -45,7 +50,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
                 hold: false,
             };
             orders.state = State::Named;
-            outer.order(number, orders);
+            outer.order(number, Some(&orders));
         }
     }
     (hash, flags, outer)
@@ -80,19 +85,22 @@ fn the_watch_stops_a_test() {
         rig.step(&mut outer, &ground(&points));
         outer.handle(event).unwrap();
     }
-    let mut steps = 0;
+    let (mut steps, mut taps) = (0, Taps::<1>::of(4));
     let sent = loop {
         let step = rig.step(&mut outer, &ground(&points));
         let (sent, permit) = (step.command_m, step.permit);
         steps += 1;
-        if let Some((number, blocks)) = outer.next_block() {
+        let full = outer
+            .shown()
+            .and_then(|(number, seen)| taps.add(number, seen.iter()));
+        if let Some((number, blocks)) = full {
             let mut orders = Orders::NONE;
             orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {
                 axis: 0,
                 value: 0.2,
                 limit: 0.1,
             });
-            outer.order(number, orders);
+            outer.order(number, Some(&orders));
         }
         assert_eq!(permit, outer.mode() != Mode::Tripped);
         if outer.mode() == Mode::Tripped {

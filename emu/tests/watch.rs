@@ -19,9 +19,9 @@ use std::path::Path;
 const SECONDS: f64 = 14.0;
 
 /// Control steps in a block at 2 kHz, and the share of their time that judging it may take in the mean, per cent: 2 are the aim
-/// and 1.5 to 1.9 what was seen, interrupts in between included.
+/// and 1.3 to 1.6 what was seen, interrupts in between included.
 const STEPS_IN_BLOCK: u8 = 4;
-const MEAN_SHARE: f64 = 2.2;
+const MEAN_SHARE: f64 = 2.0;
 
 /// The example with another table of effects, and keys that are set.
 fn run(effect: &str, set: &[&str]) -> JudgedRun {

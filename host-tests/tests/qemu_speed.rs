@@ -16,10 +16,7 @@ fn twenty_times_faster_than_real_time() {
     let mut scenario = Scenario::delayed(table1(), 4.0);
     scenario.config.estimation.kind = Filter::Kalman;
     let shaking = shaking(20.0);
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
-    };
+    let test = Test::new(&scenario.config, &shaking);
     let ticks = 40_000;
     let loop_s = f64::from(ticks) / scenario.config.timing.rate_hz;
     let mut best = 0.0_f64;

@@ -3,7 +3,7 @@
 use super::OuterLoop;
 use crate::rig::Rig;
 use crate::supervise::{Event, Fault, Mode, Trip};
-use crate::watch::{AxisOrders, Block, Orders, Verdict};
+use crate::watch::{AxisOrders, Block, Orders, Seen, Verdict};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Has the tests to come watched; `corrects`: command and reading may be corrected for what is named. Without effect while
@@ -25,47 +25,52 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// True in a step so many behind the one that filled a block, and in later ones: what is done apart does not add up in one
-    /// step. Blocks of one step or two leave no room for that.
+    /// What the watch is to see of the last control step, for each axis, with its number in the running test, from 0; once.
+    /// Whoever takes it makes blocks of it ([`Taps`](crate::watch::Taps)), and answers each with [`OuterLoop::order`], in turn.
     #[inline]
-    pub fn is_past_block(&self, steps: u16) -> bool {
-        self.post.is_past(steps)
+    pub fn shown(&mut self) -> Option<(u32, [Seen; N])> {
+        let number = self.post.take()?;
+        let record = self.history.latest();
+        let read = record.displacement_m.iter().zip(&record.force_n);
+        let mut seen = [[0.0; 3]; N];
+        for (seen, (sent_m, (displacement_m, force_n))) in
+            seen.iter_mut().zip(record.sent_m.iter().zip(read))
+        {
+            *seen = [*sent_m, *displacement_m, *force_n];
+        }
+        Some((number, seen))
     }
 
-    /// The oldest block of the running test that was not given yet, one for each axis, with its number from 0. Each has to be
-    /// answered with [`OuterLoop::order`], in turn.
+    /// What the watch asks for, having seen block `number`; none where that is what it asked for before. It comes into force a
+    /// fixed number of steps after the block. An answer out of turn is none.
     #[inline]
-    pub fn next_block(&mut self) -> Option<(u32, [Block; N])> {
-        self.post.next()
-    }
-
-    /// What the watch asks for, having seen block `number`. It comes into force a fixed number of steps after the block. An
-    /// answer out of turn is none.
-    #[inline]
-    pub fn order(&mut self, number: u32, orders: Orders<N>) {
+    pub fn order(&mut self, number: u32, orders: Option<&Orders<N>>) {
         self.post.answer(number, orders);
     }
 
-    /// Has the next block judged where it is full, by `judge`, which fills the orders of each axis. False where none is.
+    /// Has the block that the last control step has filled judged in place, by `judge`, which fills the orders of each axis; false
+    /// where it has filled none. Asked for after each step, or nothing is judged any more.
     pub fn be_judged(
         &mut self,
         judge: impl FnOnce(&[Block; N], &mut [AxisOrders; N]) -> Verdict,
     ) -> bool {
-        let Some((number, blocks)) = self.next_block() else {
+        let full = self
+            .shown()
+            .and_then(|(number, seen)| self.post.tap(number, &seen));
+        let Some((number, blocks)) = full else {
             return false;
         };
         let mut orders = Orders::NONE;
         let verdict = judge(&blocks, &mut orders.axes);
         (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
-        self.order(number, orders);
+        self.post.answer_in_place(number, &orders);
         true
     }
 
-    /// Shows the watch the step that has just been recorded.
+    /// The watch may look at the step that has just been recorded.
+    #[inline]
     pub(super) fn show_to_watch(&mut self) {
-        let record = self.history.latest();
-        let (command_m, displacement_m) = (&record.sent_m, &record.displacement_m);
-        if self.post.add(command_m, displacement_m, &record.force_n) {
+        if self.post.count() {
             self.obey();
         }
     }

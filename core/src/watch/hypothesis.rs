@@ -33,7 +33,7 @@ impl Hypothesis {
 
     /// True if it stands out enough for a name.
     pub(super) fn is_name(&self, regression: usize) -> bool {
-        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd[self.column]);
+        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
         self.d > NAME[regression]
             && theta.abs() > 2.0 + BEYOND[regression] * sd
             && self.answer.explained > EXPLAINED
@@ -42,14 +42,14 @@ impl Hypothesis {
     /// The columns that explain it about as well.
     pub(super) fn set(&self) -> impl Iterator<Item = usize> {
         let least = 0.92 * self.d - 6.0;
-        let d = self.answer.d;
+        let d = self.answer.ratios();
         (0..d.len()).filter(move |j| d[*j] > 0.0 && d[*j] > least)
     }
 }
 
 /// The least coefficient of a column that would be a name beside the noise of a window, half tolerances.
 pub(super) fn least_named(answer: &Answer, regression: usize, column: usize) -> Option<f32> {
-    let sd = answer.sd[column];
+    let sd = answer.sd(column);
     let beyond = 2.0 + BEYOND[regression] * sd;
     let likely = libm::sqrtf(NAME[regression] * (sd * sd + 1.0));
     // Without freedom there is no deviation either.
@@ -64,7 +64,8 @@ mod tests {
     fn a_limit_is_in_doubt_where_it_explains_what_stands_out_about_as_well_as_the_best() {
         let in_doubt = |gain: f32, stroke: f32| {
             let mut answer = Answer::default();
-            (answer.d[1], answer.d[6]) = (gain, stroke);
+            // Without a deviation it is the square of the coefficient.
+            (answer.theta[1], answer.theta[6]) = (libm::sqrtf(gain), libm::sqrtf(stroke));
             Hypothesis::of(answer).is_limit_in_doubt(8.0)
         };
         assert!(in_doubt(100.0, 95.0), "gain fits best, a stroke nearly");

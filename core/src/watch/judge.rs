@@ -49,7 +49,7 @@ const LATE_OFF: f32 = 0.6;
 /// Scales of the values.
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
-    half: super::declared::HalfTolerances,
+    pub(super) half: super::declared::HalfTolerances,
     peak_m: f32,
     omega: f32,
     stiffness: f32,
@@ -404,7 +404,7 @@ impl Judge {
             let Some((cause, unit)) = k.meaning(ACTUATOR, column, theta) else {
                 continue;
             };
-            let (value, sd) = (theta * unit, answer.sd[column] * unit);
+            let (value, sd) = (theta * unit, answer.sd(column) * unit);
             let Some(twin) = cause.twin() else {
                 self.note(cause, value, sd);
                 continue;
@@ -445,9 +445,9 @@ impl Judge {
         };
         // Without a reference the declared value is one, with its tolerance.
         let (before, before_sd) =
-            self.reference[regression].map_or((0.0, 1.0), |r| (r.theta[column], r.sd[column]));
+            self.reference[regression].map_or((0.0, 1.0), |r| (r.theta[column], r.sd(column)));
         let change = (now.theta[column] - before) * half;
-        let sd = sqrtf(now.sd[column] * now.sd[column] + before_sd * before_sd) * half;
+        let sd = sqrtf(now.sd(column) * now.sd(column) + before_sd * before_sd) * half;
         let sd = sqrtf(sd * sd + off * off);
         let (if_actuator, if_sensor) = ((change / sd).abs(), ((change - implied) / sd).abs());
         if if_sensor < POSSIBLE && if_actuator > if_sensor + WORSE {
@@ -476,7 +476,7 @@ impl Judge {
             return;
         }
         for column in best.set() {
-            let (theta, sd) = (best.answer.theta[column], best.answer.sd[column]);
+            let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
             match k.meaning(regression, column, theta) {
                 Some((Cause::ForceGain, _)) => self.name_slope(k, regression, best, recent),
                 Some((cause, unit)) => self.note(cause, theta * unit, sd * unit.abs()),
@@ -511,7 +511,7 @@ impl Judge {
             FORCE => k.half.force[1],
             _ => k.half.unloading[0],
         };
-        let (theta, sd) = (best.answer.theta[column], best.answer.sd[column]);
+        let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
         if theta > 0.0 {
             self.note(Cause::ForceGain, theta * half, sd * half);
             return;

@@ -1,15 +1,17 @@
 //! Watches one actuator of a running test: whether the rig still does what its declared model says, and what it lacks if not.
 //!
 //! ```text
-//!  interrupt: command, displacement, force ─► Tap: sums of a few steps, run lengths ─► Block, 500 a second
-//!  thread:    Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
+//!  interrupt: command, displacement, force of each step ─►┐
+//!  thread:    Taps: sums of a few steps, run lengths ◄────┘ ─► Block, 500 a second
+//!             Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
 //!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! | file | what is there |
 //! |---|---|
-//! | `tap.rs`, `post.rs` | what is done in the control interrupt: blocks go out, orders come back after a fixed time |
+//! | `post.rs` | what is done in the control interrupt: steps go out, orders come back after a fixed time |
+//! | `tap.rs` | blocks of steps |
 //! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
@@ -50,7 +52,7 @@ pub use name::{Cause, Set, Side};
 pub use orders::{Alarm, AxisOrders, Orders};
 pub(crate) use post::Post;
 pub use state::{Finding, State};
-pub use tap::{Block, Tap, steps_in_block};
+pub use tap::{Block, Seen, Tap, Taps, steps_in_block};
 pub use verdict::Verdict;
 
 use crate::refusal::Refusal;
@@ -267,8 +269,13 @@ impl Watch {
             let unloading = specimen.then(|| self.unloading.add(&row)).flatten();
             let kinds = [actuator, specimen && self.judge.elastic];
             let fresh = self.judge.doubts();
-            self.regressions
-                .add(&k.regression, &row, fresh, kinds, unloading);
+            self.regressions.add(
+                (&k.regression, &k.judge.half),
+                &row,
+                fresh,
+                kinds,
+                unloading,
+            );
         }
         self.work() | changed
     }
@@ -385,4 +392,24 @@ pub fn judge<'a>(
         });
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_watch_is_no_larger_than_a_board_has_room_for() {
+        let parts = [
+            ("constants", size_of::<Constants>()),
+            ("regressions", size_of::<Regressions>()),
+            ("judge", size_of::<Judge>()),
+            ("signals", size_of::<Signals>()),
+            ("listeners", size_of::<[Listener; 2]>()),
+            ("frozen", size_of::<Frozen>()),
+        ];
+        // No pointers in it: here as on a board.
+        let bytes = size_of::<Watch>();
+        assert!(bytes <= 4096, "{bytes} bytes, of these {parts:?}");
+    }
 }

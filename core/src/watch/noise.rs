@@ -78,8 +78,9 @@ pub(super) struct Listener {
     past: Past,
     followed: Past,
     learned: u16,
-    /// Mean square of a fourth difference.
+    /// Mean square of a fourth difference, and the standard deviation of a block by it once it is known.
     variance: f32,
+    sigma: f32,
     goertzel: [[f32; 2]; 4],
     phase: [f32; 2],
     blocks: u8,
@@ -97,6 +98,7 @@ impl Listener {
             followed: Past([0.0; 4]),
             learned: 0,
             variance: 0.0,
+            sigma: 0.0,
             goertzel: [[0.0; 2]; 4],
             phase: [1.0, 0.0],
             blocks: 0,
@@ -107,9 +109,9 @@ impl Listener {
         }
     }
 
-    /// Standard deviation of a block.
+    /// Standard deviation of a block, 0 until it is known.
     pub(super) fn sigma(&self) -> f32 {
-        sqrtf(self.variance / FOURTH)
+        self.sigma
     }
 
     /// True once the noise is known.
@@ -140,6 +142,9 @@ impl Listener {
                 self.variance += (square - self.variance) / f32::from(self.learned);
             }
             self.variance = self.variance.max(FOURTH * least * least);
+            if self.knows() {
+                self.sigma = sqrtf(self.variance / FOURTH);
+            }
             return None;
         }
         let limit = larger(

@@ -1,13 +1,13 @@
 //! Normal equations of a regression whose columns are in units of half a tolerance, and every hypothesis of a single cause
-//! from one inverse.
+//! from one factorization.
 
-use libm::sqrtf;
+use crate::float::larger;
 
-/// Weighted sums of a regression with `M` columns.
+/// Weighted sums of a regression with `M` columns, which have `T` products: the columns' numbers from 1 to `M` added up.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Normal<const M: usize> {
-    /// Lower triangle: products of columns.
-    a: [[f32; M]; M],
+pub(super) struct Normal<const M: usize, const T: usize> {
+    /// Products of columns: the lower triangle, row by row.
+    a: [f32; T],
     b: [f32; M],
     /// Squares of what is to be explained, and of the motion.
     total: f32,
@@ -18,11 +18,9 @@ pub(super) struct Normal<const M: usize> {
 /// What a regression says.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solved<const M: usize> {
-    /// Each column's coefficient if it alone were free, in half tolerances, and its standard deviation.
+    /// Each column's coefficient if it alone were free, in half tolerances, and its variance.
     pub(super) theta: [f32; M],
-    pub(super) sd: [f32; M],
-    /// Twice the logarithm of the likelihood ratio of letting it alone go.
-    pub(super) d: [f32; M],
+    pub(super) variance: [f32; M],
     /// Share of the residual that all columns free together explain, and the mean square that they leave.
     pub(super) explained: f32,
     pub(super) left: f32,
@@ -38,15 +36,21 @@ pub(super) struct Noise {
     pub(super) coloured: f32,
 }
 
+/// Twice the logarithm of the likelihood ratio of letting a column alone go, by its coefficient with the variance, half
+/// tolerances; 0 where the motion tells nothing of it.
+pub(super) fn ratio(theta: f32, variance: f32) -> f32 {
+    theta * theta / (variance + 1.0)
+}
+
 /// Prior variance of a free column, in half tolerances squared.
 const FREE: f32 = 900.0;
 /// Share of what the free fit leaves that counts as noise.
 const LEFT_COUNTS: f32 = 0.15;
 
-impl<const M: usize> Normal<M> {
+impl<const M: usize, const T: usize> Normal<M, T> {
     pub(super) const fn new() -> Self {
         Self {
-            a: [[0.0; M]; M],
+            a: [0.0; T],
             b: [0.0; M],
             total: 0.0,
             motion: 0.0,
@@ -57,9 +61,10 @@ impl<const M: usize> Normal<M> {
     /// Forgets by `keeps` and takes a sample in: columns, what is to be explained, the motion, peaks.
     #[inline(never)] // Unrolled at every place that calls it, it would be a good part of an image.
     pub(super) fn add(&mut self, keeps: f32, row: &[f32; M], residual: f32, motion: f32) {
+        let mut products = self.a.iter_mut();
         for j in 0..M {
-            for k in 0..=j {
-                self.a[j][k] = keeps * self.a[j][k] + row[j] * row[k];
+            for (a, other) in products.by_ref().take(j + 1).zip(row) {
+                *a = keeps * *a + row[j] * other;
             }
             self.b[j] = keeps * self.b[j] + row[j] * residual;
         }
@@ -77,22 +82,14 @@ impl<const M: usize> Normal<M> {
         let known = noise.white
             + noise.coloured
                 * (noise.floor + noise.of_motion * self.motion / self.weight + left_before);
-        let (_, wide) = self.posterior(known, 1.0 / FREE)?;
-        let mut left = self.total;
-        for j in 0..M {
-            left -= 2.0 * wide[j] * self.b[j];
-            for k in 0..M {
-                let a = if k <= j { self.a[j][k] } else { self.a[k][j] };
-                left += wide[j] * a * wide[k];
-            }
-        }
-        let left = if left > 0.0 { left } else { 0.0 };
+        let free = self.factors(known, 1.0 / FREE)?.solve(self.per(known));
+        let left = larger(0.0, self.left_by(&free));
         let variance = known + noise.coloured * LEFT_COUNTS * left / self.weight;
-        let (p, mu) = self.posterior(variance, 1.0)?;
+        let factors = self.factors(variance, 1.0)?;
+        let (mean, p) = (factors.solve(self.per(variance)), factors.variances());
         let mut solved = Solved {
             theta: [0.0; M],
-            sd: [0.0; M],
-            d: [0.0; M],
+            variance: [0.0; M],
             explained: if self.total > 0.0 {
                 1.0 - left / self.total
             } else {
@@ -100,83 +97,127 @@ impl<const M: usize> Normal<M> {
             },
             left: left / self.weight,
         };
+        let mut finite = true;
         for j in 0..M {
-            // P_jj is at most the prior's: what the motion tells nothing of has freedom 0.
-            let freedom = 1.0 - p[j][j];
+            // A variance is at most the prior's: what the motion tells nothing of has freedom 0.
+            let freedom = 1.0 - p[j];
             if freedom > 1e-3 {
-                solved.theta[j] = mu[j] / freedom;
-                let variance = p[j][j] / freedom;
-                solved.sd[j] = sqrtf(variance);
-                solved.d[j] = solved.theta[j] * solved.theta[j] / (variance + 1.0);
+                let per = 1.0 / freedom;
+                solved.theta[j] = mean[j] * per;
+                solved.variance[j] = p[j] * per;
+                finite &= ratio(solved.theta[j], solved.variance[j]).is_finite();
             }
         }
-        solved.d.iter().all(|d| d.is_finite()).then_some(solved)
+        finite.then_some(solved)
     }
 
-    /// Covariance and mean under a prior of precision `ridge` in every column.
-    #[inline(never)]
-    fn posterior(&self, variance: f32, ridge: f32) -> Option<([[f32; M]; M], [f32; M])> {
+    /// What is to be explained, over a variance.
+    fn per(&self, variance: f32) -> [f32; M] {
         let per = 1.0 / variance;
-        let mut p = [[0.0; M]; M];
+        self.b.map(|b| b * per)
+    }
+
+    /// The squares that these coefficients leave.
+    fn left_by(&self, theta: &[f32; M]) -> f32 {
+        let mut products = self.a.iter();
+        let mut left = self.total;
         for j in 0..M {
-            for k in 0..=j {
-                p[j][k] = self.a[j][k] * per;
+            let mut off = -self.b[j];
+            for (a, other) in products.by_ref().take(j).zip(theta) {
+                off += a * other;
             }
-            p[j][j] += ridge;
+            let own = products.next().map_or(0.0, |a| a * theta[j]);
+            left += theta[j] * (2.0 * off + own);
         }
-        let p = inverse(p)?;
-        let mut mu = [0.0; M];
-        for j in 0..M {
-            for k in 0..M {
-                mu[j] += p[j][k] * self.b[k] * per;
+        left
+    }
+
+    /// The inverse of the covariance under a prior of precision `ridge` in every column.
+    #[inline(never)]
+    fn factors(&self, variance: f32, ridge: f32) -> Option<Factors<M>> {
+        let per = 1.0 / variance;
+        let mut products = self.a.iter();
+        let mut precision = [[0.0; M]; M];
+        for (j, row) in precision.iter_mut().enumerate() {
+            for (own, a) in row.iter_mut().zip(products.by_ref().take(j + 1)) {
+                *own = a * per;
             }
+            row[j] += ridge;
         }
-        Some((p, mu))
+        Factors::of(precision)
     }
 }
 
-/// Inverse of a positive definite matrix of which the lower triangle is given: Cholesky.
-#[inline(never)]
-fn inverse<const M: usize>(mut l: [[f32; M]; M]) -> Option<[[f32; M]; M]> {
-    for j in 0..M {
-        for k in 0..=j {
-            let mut sum = l[j][k];
-            for i in 0..k {
-                sum -= l[j][i] * l[k][i];
-            }
-            if j == k {
-                if !(sum > 0.0) {
-                    return None;
+/// A positive definite matrix as L D L', where L has ones on its diagonal: that takes no square roots.
+#[derive(Clone, Copy, Debug)]
+struct Factors<const M: usize> {
+    /// Below the diagonal.
+    l: [[f32; M]; M],
+    /// One over D.
+    per_d: [f32; M],
+}
+
+impl<const M: usize> Factors<M> {
+    /// Of the matrix whose lower triangle is given; none if it is not positive definite.
+    fn of(mut l: [[f32; M]; M]) -> Option<Self> {
+        let mut per_d = [0.0; M];
+        for j in 0..M {
+            let mut row = l[j];
+            for k in 0..j {
+                for i in 0..k {
+                    row[k] -= row[i] * l[k][i];
                 }
-                l[j][j] = sqrtf(sum);
-            } else {
-                l[j][k] = sum / l[k][k];
+            }
+            let mut d = row[j];
+            for k in 0..j {
+                let of_d = row[k];
+                row[k] *= per_d[k];
+                d -= of_d * row[k];
+            }
+            if !(d > 0.0) {
+                return None;
+            }
+            (l[j], per_d[j]) = (row, 1.0 / d);
+        }
+        Some(Self { l, per_d })
+    }
+
+    /// What the matrix makes `b` of.
+    #[inline(never)]
+    fn solve(&self, b: [f32; M]) -> [f32; M] {
+        let mut x = b;
+        for j in 0..M {
+            for k in 0..j {
+                x[j] -= self.l[j][k] * x[k];
             }
         }
-    }
-    // The inverse of the triangle, then its square.
-    let mut t = [[0.0_f32; M]; M];
-    for j in 0..M {
-        t[j][j] = 1.0 / l[j][j];
-        for k in 0..j {
-            let mut sum = 0.0;
-            for i in k..j {
-                sum -= l[j][i] * t[i][k];
+        for j in (0..M).rev() {
+            x[j] *= self.per_d[j];
+            for k in j + 1..M {
+                x[j] -= self.l[k][j] * x[k];
             }
-            t[j][k] = sum * t[j][j];
         }
+        x
     }
-    let mut p = [[0.0; M]; M];
-    for j in 0..M {
-        for k in 0..=j {
-            let mut sum = 0.0;
-            for i in j..M {
-                sum += t[i][j] * t[i][k];
+
+    /// The diagonal of the inverse.
+    #[inline(never)]
+    fn variances(&self) -> [f32; M] {
+        let mut p = [0.0; M];
+        for k in 0..M {
+            // A column of the inverse of L.
+            let mut t = [0.0; M];
+            t[k] = 1.0;
+            p[k] = self.per_d[k];
+            for j in k + 1..M {
+                for i in k..j {
+                    t[j] -= self.l[j][i] * t[i];
+                }
+                p[k] += t[j] * t[j] * self.per_d[j];
             }
-            (p[j][k], p[k][j]) = (sum, sum);
         }
+        p
     }
-    Some(p)
 }
 
 #[cfg(test)]
@@ -184,25 +225,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_inverse_is_one() {
+    fn the_factors_solve_and_have_the_diagonal_of_the_inverse() {
         let a = [[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [-0.5, 0.7, 2.0]];
-        let p = inverse(a).unwrap();
+        let at = |i: usize, j: usize| if i <= j { a[j][i] } else { a[i][j] };
+        let factors = Factors::of(a).unwrap();
         for j in 0..3 {
-            for k in 0..3 {
-                let product: f32 = (0..3)
-                    .map(|i| if i <= j { a[j][i] } else { a[i][j] } * p[i][k])
-                    .sum();
-                let one = if j == k { 1.0 } else { 0.0 };
+            // A column of the inverse.
+            let mut unit = [0.0; 3];
+            unit[j] = 1.0;
+            let column = factors.solve(unit);
+            for (k, one) in unit.into_iter().enumerate() {
+                let product: f32 = (0..3).map(|i| at(k, i) * column[i]).sum();
                 assert!((product - one).abs() < 1e-6, "{j} {k}: {product}");
             }
+            let variance = factors.variances()[j];
+            assert!((variance - column[j]).abs() < 1e-6, "{j}: {variance}");
         }
-        assert!(inverse([[-1.0_f32]]).is_none());
+        assert!(Factors::of([[-1.0_f32]]).is_none());
     }
 
     #[test]
     fn each_hypothesis_is_the_fit_with_that_column_free() {
         // Two columns; a residual of 10 half tolerances of the first and some noise.
-        let mut n = Normal::<2>::new();
+        let mut n = Normal::<2, 3>::new();
         let noise = Noise {
             white: 1e-4,
             floor: 0.0,
@@ -216,13 +261,17 @@ mod tests {
             n.add(1.0, &row, 10.0 * row[0] + noisy, 1.0);
         }
         let s = n.solve(&noise, 0.0).unwrap();
-        assert!((s.theta[0] - 10.0).abs() < 2.0 * s.sd[0], "{s:?}");
-        assert!(s.d[0] > 20.0 && s.d[1] < 2.0, "{s:?}");
+        assert!(
+            (s.theta[0] - 10.0).abs() < 2.0 * libm::sqrtf(s.variance[0]),
+            "{s:?}"
+        );
+        let d = |s: &Solved<2>| [0, 1].map(|j| ratio(s.theta[j], s.variance[j]));
+        assert!(d(&s)[0] > 20.0 && d(&s)[1] < 2.0, "{s:?}");
         // A motion that tells nothing names nothing.
-        let mut still = Normal::<2>::new();
+        let mut still = Normal::<2, 3>::new();
         for _ in 0..500 {
             still.add(1.0, &[0.0, 0.0], 0.01, 0.0);
         }
-        assert_eq!(still.solve(&noise, 0.0).unwrap().d, [0.0, 0.0]);
+        assert_eq!(d(&still.solve(&noise, 0.0).unwrap()), [0.0, 0.0]);
     }
 }

@@ -1,11 +1,13 @@
-//! Between the control step and the rest of the watch: blocks go out, and orders come back.
+//! Between the control step and the rest of the watch: steps go out, and orders come back.
 //!
-//! The orders that answer a block come into force in the step in which the block [`LATENCY`] blocks later is full, however soon
-//! the thread was done with them: the same samples have the same orders on a PC and on a board. A thread that has not answered
-//! by then ends the watch of the test. The orders in force stay then, and the records say so.
+//! What the step does is to count. Whoever judges takes what it has shown after each step, makes blocks of it
+//! ([`Taps`](super::tap::Taps)) and answers each. The orders that answer a block come into force in the step in which the
+//! block [`LATENCY`] blocks later is full, however soon the thread was done with them: the same samples have the same orders on
+//! a PC and on a board. A thread that has not answered by then ends the watch of the test. The orders in force stay then, and the
+//! records say so.
 
 use super::orders::{Alarm, AxisOrders, Orders};
-use super::tap::{Block, Tap};
+use super::tap::{Block, Seen, Taps};
 use crate::record::flag;
 
 /// Blocks from one that is full to the orders that answer it: 16 ms.
@@ -14,23 +16,32 @@ pub const LATENCY: usize = 8;
 /// The part of the watch in the loop.
 #[derive(Clone, Debug)]
 pub(crate) struct Post<const N: usize> {
-    taps: [Tap; N],
-    blocks: [[Block; N]; LATENCY],
-    orders: [Orders<N>; LATENCY],
     in_force: Orders<N>,
-    /// How many blocks are full, were taken, were answered.
+    /// The orders in force, for every record.
+    flags: u32,
+    /// Control steps in a block, and how many the next one lacks.
+    steps: u16,
+    left: u16,
+    /// How many blocks are full, and how many more may be before the next answer.
     full: u32,
-    taken: u32,
+    room: u32,
+    /// How many blocks were answered.
     answered: u32,
+    /// Control steps of the running test that were taken.
+    taken: u32,
+    /// Of each place of `orders`: they are other ones than those before them.
+    others: [bool; LATENCY],
     /// The running test is watched.
     on: bool,
     /// An answer did not come in time.
     late: bool,
-    /// The orders in force, for every record.
-    flags: u32,
+    orders: [Orders<N>; LATENCY],
+    /// Where the loop is judged in place: what makes blocks, and what was asked for last.
+    taps: Taps<N>,
+    asked: Orders<N>,
 }
 
-/// Where block `number` and its orders are.
+/// Where the orders of block `number` are.
 const fn place(number: u32) -> usize {
     number as usize % LATENCY
 }
@@ -39,16 +50,20 @@ impl<const N: usize> Post<N> {
     /// Nothing seen, in blocks of so many control steps.
     pub(crate) fn new(steps: u16) -> Self {
         Self {
-            taps: core::array::from_fn(|_| Tap::of(steps)),
-            blocks: [[Block::EMPTY; N]; LATENCY],
-            orders: [Orders::NONE; LATENCY],
             in_force: Orders::NONE,
+            flags: 0,
+            steps,
+            left: steps,
             full: 0,
-            taken: 0,
+            room: LATENCY as u32,
             answered: 0,
+            taken: 0,
+            others: [false; LATENCY],
             on: false,
             late: false,
-            flags: 0,
+            orders: [Orders::NONE; LATENCY],
+            taps: Taps::of(steps),
+            asked: Orders::NONE,
         }
     }
 
@@ -63,80 +78,91 @@ impl<const N: usize> Post<N> {
         self.on
     }
 
-    /// As new, in place: what is in the rings is not read before it is written again.
+    /// As new, in place: orders are not read before they are written again, and the taps begin with step 0.
     pub(crate) fn rest(&mut self) {
-        self.taps.iter_mut().for_each(Tap::rest);
-        self.in_force = Orders::NONE;
-        (self.full, self.taken, self.answered) = (0, 0, 0);
-        (self.late, self.flags) = (false, 0);
+        (self.in_force, self.asked) = (Orders::NONE, Orders::NONE);
+        (self.flags, self.left, self.late) = (0, self.steps, false);
+        (self.full, self.room) = (0, LATENCY as u32);
+        (self.answered, self.taken) = (0, 0);
+        self.others = [false; LATENCY];
     }
 
-    /// Takes a control step in: commands in force, m, displacements, m, and forces, N, as measured. True if other orders are in
-    /// force from now on.
+    /// Counts a control step. True if other orders are in force from now on.
     #[inline]
-    pub(crate) fn add(
-        &mut self,
-        command_m: &[f32; N],
-        displacement_m: &[f32; N],
-        force_n: &[f32; N],
-    ) -> bool {
-        let mut is_full = false;
-        for j in 0..N {
-            is_full = self.taps[j].add(command_m[j], displacement_m[j], force_n[j]);
-        }
-        is_full && self.close()
+    pub(crate) fn count(&mut self) -> bool {
+        self.left = self.left.wrapping_sub(1);
+        self.left == 0 && self.fill()
     }
 
     /// A block is full.
+    #[inline(never)] // In place it would lengthen every step, watched or not, by the lines of the flash that it takes.
+    fn fill(&mut self) -> bool {
+        self.left = self.steps;
+        let Some(room) = self.room.checked_sub(1) else {
+            self.be_late();
+            return false;
+        };
+        self.room = room;
+        let number = self.full;
+        self.full = number.wrapping_add(1);
+        // Of the first blocks there is none yet.
+        let others = self.others[place(number)];
+        if others {
+            self.change(number);
+        }
+        others
+    }
+
+    /// An answer did not come in time: there are no more.
+    #[cold]
     #[inline(never)]
-    fn close(&mut self) -> bool {
-        let at = place(self.full);
-        let waiting = self.full.wrapping_sub(self.answered) as usize;
-        for (block, tap) in self.blocks[at].iter_mut().zip(&mut self.taps) {
-            *block = tap.close();
-        }
-        if self.late {
-            return false;
-        }
-        if waiting >= LATENCY {
-            self.late = true;
-            self.flags |= flag::WATCH_LATE;
-            return false;
-        }
-        let answered = self.full as usize >= LATENCY;
-        self.full = self.full.wrapping_add(1);
-        let changed = answered && self.orders[at] != self.in_force;
-        if changed {
-            self.in_force = self.orders[at];
-            self.flags = self.in_force.flags();
-        }
-        changed
+    fn be_late(&mut self) {
+        self.late = true;
+        self.flags |= flag::WATCH_LATE;
     }
 
-    /// True in a step so many behind the one that filled a block, and in later ones: what is done apart does not add up in one
-    /// step. Blocks of one step or two leave no room for that.
-    #[inline]
-    pub(crate) fn is_past(&self, steps: u16) -> bool {
-        self.taps[0].is_past(steps)
+    /// Other orders are in force.
+    #[cold]
+    #[inline(never)]
+    fn change(&mut self, number: u32) {
+        self.in_force = self.orders[place(number)];
+        self.flags = self.in_force.flags();
     }
 
-    /// The oldest block that nobody has taken yet, of each actuator, with its number in the test.
+    /// The number of the last control step in the test, from 0, if it is watched and was not taken yet.
     #[inline]
-    pub(crate) fn next(&mut self) -> Option<(u32, [Block; N])> {
-        if self.late || self.taken == self.full {
-            return None;
-        }
-        let number = self.taken;
-        self.taken = number.wrapping_add(1);
-        Some((number, self.blocks[place(number)]))
+    pub(crate) fn take(&mut self) -> Option<u32> {
+        let begun = self.steps.wrapping_sub(self.left);
+        let full = self.full.wrapping_mul(u32::from(self.steps));
+        let steps = full.wrapping_add(u32::from(begun));
+        let is_new = steps != self.taken && !self.late;
+        self.taken = steps;
+        is_new.then(|| steps.wrapping_sub(1))
     }
 
-    /// The answer to block `number`; one out of turn, of a test that is over, is none.
+    /// The block that a control step fills, where the loop is judged in place.
+    pub(crate) fn tap(&mut self, number: u32, seen: &[Seen; N]) -> Option<(u32, [Block; N])> {
+        self.taps.add(number, seen.iter())
+    }
+
+    /// The answer of a loop that is judged in place.
+    pub(crate) fn answer_in_place(&mut self, number: u32, orders: &Orders<N>) {
+        let others = core::mem::replace(&mut self.asked, *orders) != *orders;
+        self.answer(number, others.then_some(orders));
+    }
+
+    /// The answer to block `number`: orders, or none where they are those of the block before. One out of turn, of a test that is
+    /// over, is no answer.
     #[inline]
-    pub(crate) fn answer(&mut self, number: u32, orders: Orders<N>) {
-        if number == self.answered && self.answered != self.taken {
-            self.orders[place(number)] = orders;
+    pub(crate) fn answer(&mut self, number: u32, orders: Option<&Orders<N>>) {
+        if number == self.answered && number != self.full && !self.late {
+            let at = place(number);
+            self.others[at] = orders.is_some();
+            if let Some(orders) = orders {
+                self.orders[at] = *orders;
+            }
             self.answered = number.wrapping_add(1);
+            self.room = self.room.wrapping_add(1);
         }
     }
 
@@ -162,21 +188,30 @@ impl<const N: usize> Post<N> {
 mod tests {
     use super::*;
     use crate::watch::{AxisOrders, State};
+    use heapless::Deque;
 
     type Steps = heapless::Vec<u32, 16>;
 
-    /// What a thread answers that takes up its blocks `behind` blocks late: the steps in which orders came into force, and the
-    /// flags at the end.
-    fn steps_of(behind: u32) -> (Steps, u32) {
+    /// What a thread answers that takes up its blocks `behind` blocks late, in place or apart: the steps in which orders came into
+    /// force, and the flags at the end.
+    fn steps_of(behind: usize, in_place: bool) -> (Steps, u32) {
         let mut post = Post::<1>::new(4);
+        let mut waiting = Deque::<_, 16>::new();
         let mut steps = Steps::new();
-        let mut asked = 0;
+        let (mut asked, mut before) = (0_u32, 0.0);
         for step in 0..160_u32 {
-            if post.add(&[0.0], &[step as f32], &[0.0]) {
+            if post.count() {
                 let _ = steps.push(step);
             }
-            while post.full.wrapping_sub(post.taken) > behind
-                && let Some((number, [block])) = post.next()
+            if let Some(number) = post.take() {
+                assert_eq!(number, step);
+                if let Some(full) = post.tap(number, &[[0.0, step as f32, 0.0]]) {
+                    let _ = waiting.push_back(full);
+                }
+            }
+            assert_eq!(post.take(), None, "once");
+            while waiting.len() > behind
+                && let Some((number, [block])) = waiting.pop_front()
             {
                 // A block of 4 steps: its mean is in their middle.
                 assert_eq!(block.displacement_m, 4.0 * asked as f32 + 1.5);
@@ -191,10 +226,15 @@ mod tests {
                     state: State::Sound,
                     alarm: None,
                 };
+                let others = before != lead_steps;
+                before = lead_steps;
                 // Of another test, or given twice: nothing.
-                post.answer(number + 1, Orders::NONE);
-                post.answer(number, orders);
-                post.answer(number, Orders::NONE);
+                post.answer(number + 1, Some(&Orders::NONE));
+                match in_place {
+                    true => post.answer_in_place(number, &orders),
+                    false => post.answer(number, others.then_some(&orders)),
+                }
+                post.answer(number, Some(&Orders::NONE));
             }
         }
         (steps, post.flags())
@@ -203,33 +243,18 @@ mod tests {
     #[test]
     fn orders_come_into_force_at_the_same_step_however_soon_they_are_given_and_a_late_one_ends_the_watch()
      {
-        let (soon, flags) = steps_of(0);
+        let (soon, flags) = steps_of(0, true);
         assert_eq!(soon[0], 4 * (9 + 8) + 3, "block 9, 8 blocks later");
         assert_eq!(flags & flag::WATCH_LATE, 0);
-        for behind in [1, 4, 7] {
-            assert_eq!(steps_of(behind), (soon.clone(), flags), "{behind}");
+        for (behind, in_place) in [(0, false), (1, true), (4, false), (7, true), (7, false)] {
+            assert_eq!(
+                steps_of(behind, in_place),
+                (soon.clone(), flags),
+                "{behind}"
+            );
         }
-        let (steps, flags) = steps_of(LATENCY as u32);
+        let (steps, flags) = steps_of(LATENCY, true);
         assert_eq!(steps.len(), 0);
         assert_eq!(flags & flag::WATCH_LATE, flag::WATCH_LATE);
-    }
-
-    #[test]
-    fn what_is_done_apart_from_a_full_block_is_done_in_later_steps_where_there_are_any() {
-        // Of each step of a block: whether one step has passed since it was full, and two.
-        let past = |steps: u16| {
-            let mut post = Post::<1>::new(steps);
-            let mut seen = heapless::Vec::<[bool; 2], 8>::new();
-            for _ in 0..2 * steps {
-                post.add(&[0.0], &[0.0], &[0.0]);
-                let _ = seen.push([post.is_past(1), post.is_past(2)]);
-            }
-            seen
-        };
-        assert!(past(4).contains(&[false, false]), "the step that fills it");
-        assert!(past(4).contains(&[true, false]) && past(4).contains(&[true, true]));
-        for few in [1, 2] {
-            assert!(past(few).iter().all(|p| *p == [true, true]), "{few}");
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! The three regressions over four windows: command to displacement, displacement to force, and the force while it unloads.
 
 use super::declared::{Declared, HalfTolerances};
-use super::normal::{Noise, Normal, Solved};
+use super::normal::{Noise, Normal, Solved, ratio};
 use super::signals::Row;
 
 /// Windows: three that forget, and one that begins at the first doubt.
@@ -25,7 +25,6 @@ const OF_MOTION: f32 = 0.002;
 /// Constants of the regressions.
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
-    pub(super) half: HalfTolerances,
     keeps: [f32; WINDOWS],
     /// Damping and mass of the declared specimen, of its stiffness.
     damping: f32,
@@ -45,7 +44,6 @@ impl Constants {
             *keeps = libm::exp(-1.0 / (periods * period_rows)) as f32;
         }
         Self {
-            half: d.half_tolerances(),
             keeps,
             damping: (d.damping_n_s_per_m * w / d.stiffness_n_per_m) as f32,
             mass: (d.mass_kg * w * w / d.stiffness_n_per_m) as f32,
@@ -70,9 +68,9 @@ impl Constants {
 /// The sums of one window.
 #[derive(Clone, Debug)]
 struct Window {
-    actuator: Normal<7>,
-    force: Normal<7>,
-    unloading: Normal<4>,
+    actuator: Normal<7, 28>,
+    force: Normal<7, 28>,
+    unloading: Normal<4, 10>,
 }
 
 impl Window {
@@ -86,10 +84,9 @@ impl Window {
 /// What a window says of a regression; columns that it does not have are 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Answer {
-    /// Coefficients if one alone is free, in half tolerances, with standard deviations and likelihood ratios.
+    /// Coefficients if one alone is free, in half tolerances, with their variances.
     pub(super) theta: [f32; 7],
-    pub(super) sd: [f32; 7],
-    pub(super) d: [f32; 7],
+    variance: [f32; 7],
     pub(super) explained: f32,
     pub(super) left: f32,
     /// Samples, natural periods of them.
@@ -105,15 +102,24 @@ impl Answer {
             ..Self::default()
         };
         own.theta[..M].copy_from_slice(&solved.theta);
-        own.sd[..M].copy_from_slice(&solved.sd);
-        own.d[..M].copy_from_slice(&solved.d);
+        own.variance[..M].copy_from_slice(&solved.variance);
         own
+    }
+
+    /// The standard deviation of a column's coefficient, half tolerances.
+    pub(super) fn sd(&self, column: usize) -> f32 {
+        libm::sqrtf(self.variance[column])
+    }
+
+    /// Twice the logarithm of each column's likelihood ratio.
+    pub(super) fn ratios(&self) -> [f32; 7] {
+        core::array::from_fn(|j| ratio(self.theta[j], self.variance[j]))
     }
 
     /// The column with the largest likelihood ratio.
     pub(super) fn best(&self) -> (usize, f32) {
         let mut best = (0, 0.0);
-        for (j, &d) in self.d.iter().enumerate() {
+        for (j, d) in self.ratios().into_iter().enumerate() {
             if d > best.1 {
                 best = (j, d);
             }
@@ -161,7 +167,7 @@ impl Regressions {
     /// Takes a row in. `fresh`: there is a doubt; `unloading`: columns and residual of a specimen that unloads.
     pub(super) fn add(
         &mut self,
-        k: &Constants,
+        (k, half): (&Constants, &HalfTolerances),
         row: &Row,
         fresh: bool,
         [actuator, elastic]: [bool; 2],
@@ -170,14 +176,14 @@ impl Regressions {
         let [y, v, a] = row.y;
         let [x, v_x] = row.x;
         let columns = [1.0, y, -v, a, -sign(v), row.rate, row.stop];
-        let actuator_row = scaled(columns, &k.half.actuator);
+        let actuator_row = scaled(columns, &half.actuator);
         let beside = k.damping * v_x + k.mass * a;
         let columns = [1.0, x, v_x, a, sign(v_x), -sign(x), x * x * x];
-        let force_row = scaled(columns, &k.half.force);
+        let force_row = scaled(columns, &half.force);
         let unloads = unloading.map(|(columns, residual)| {
             let [_, v_x, a, _] = columns;
             let residual = residual - k.damping * v_x - k.mass * a;
-            (scaled(columns, &k.half.unloading), residual)
+            (scaled(columns, &half.unloading), residual)
         });
         for (i, (window, keeps)) in self.windows.iter_mut().zip(k.keeps).enumerate() {
             if i == FRESH && !fresh {

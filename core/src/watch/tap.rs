@@ -1,4 +1,4 @@
-//! The part of the watch in the control interrupt: sums and run lengths, nothing else.
+//! Of the control steps that the loop has shown: sums and run lengths, block by block.
 
 /// Samples a second that the rest of the watch works with, about.
 const BLOCKS_HZ: f64 = 500.0;
@@ -80,12 +80,6 @@ impl Tap {
         self.left == 0
     }
 
-    /// True so many steps after a block was full, and later; always where a block has no more than two.
-    #[inline]
-    pub fn is_past(&self, steps: u16) -> bool {
-        self.steps <= 2 || self.steps - self.left >= steps
-    }
-
     /// The full block; the next one begins.
     pub fn close(&mut self) -> Block {
         let [command, displacement, force] = self.sums;
@@ -97,5 +91,80 @@ impl Tap {
             force_n: force * self.per_step,
             same: self.same,
         }
+    }
+}
+
+/// Command in force, m, displacement, m, and force, N, of an actuator in a control step.
+pub type Seen = [f32; 3];
+
+/// The taps of all actuators.
+#[derive(Clone, Debug)]
+pub struct Taps<const N: usize> {
+    taps: [Tap; N],
+    /// The next control step of the running test, and its next block.
+    step: u32,
+    block: u32,
+}
+
+impl<const N: usize> Taps<N> {
+    /// In blocks of so many control steps.
+    pub fn of(steps: u16) -> Self {
+        Self {
+            taps: core::array::from_fn(|_| Tap::of(steps)),
+            step: 0,
+            block: 0,
+        }
+    }
+
+    /// Takes in control step `number` of the running test, of the actuators that it has; step 0 begins a test. Gives the block that
+    /// it fills, with its number. After one that was lost there are no blocks until the next test.
+    pub fn add<'a>(
+        &mut self,
+        number: u32,
+        seen: impl Iterator<Item = &'a Seen>,
+    ) -> Option<(u32, [Block; N])> {
+        if number == 0 {
+            self.taps.iter_mut().for_each(Tap::rest);
+            (self.step, self.block) = (0, 0);
+        }
+        if number != self.step {
+            return None;
+        }
+        self.step = number.wrapping_add(1);
+        let mut is_full = false;
+        for (tap, &[command_m, displacement_m, force_n]) in self.taps.iter_mut().zip(seen) {
+            is_full = tap.add(command_m, displacement_m, force_n);
+        }
+        if !is_full {
+            return None;
+        }
+        let block = self.block;
+        self.block = block.wrapping_add(1);
+        let mut blocks = [Block::EMPTY; N];
+        for (block, tap) in blocks.iter_mut().zip(&mut self.taps) {
+            *block = tap.close();
+        }
+        Some((block, blocks))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_means_and_end_where_a_step_was_lost_until_the_next_test() {
+        let mut taps = Taps::<1>::of(4);
+        let mut full = heapless::Vec::<(u32, f32), 16>::new();
+        let mut show = |taps: &mut Taps<1>, number: u32| {
+            let seen = [[0.0, number as f32, 0.0]];
+            if let Some((block, [mean])) = taps.add(number, seen.iter()) {
+                let _ = full.push((block, mean.displacement_m));
+            }
+        };
+        (0..9).for_each(|number| show(&mut taps, number));
+        (10..40).for_each(|number| show(&mut taps, number));
+        (0..4).for_each(|number| show(&mut taps, number));
+        assert_eq!(full[..], [(0, 1.5), (1, 5.5), (0, 1.5)]);
     }
 }

@@ -11,8 +11,9 @@ use crate::laboratory::Laboratory;
 use crate::log::Log;
 use crate::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
 use crate::wire::Wire;
+use nix::sys::resource::{Resource, setrlimit};
 use nix::sys::wait::waitpid;
-use nix::unistd::{ForkResult, Pid, alarm, fork, pipe};
+use nix::unistd::{ForkResult, Pid, fork, pipe};
 use plant::{Rig, RigSpec};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -38,8 +39,8 @@ const PERIOD_NS: u64 = 500_000;
 /// How fast the valve lets the actuator go, m/s.
 const VALVE_M_PER_S: f64 = 2.0;
 
-/// A copy that has not come to its end after so long has hung, s.
-const HUNG_S: u32 = 300;
+/// A copy that has not come to its end after so much of a processor has hung, s: however busy the machine is.
+const HUNG_S: u64 = 300;
 
 /// How many flips, which, and in how many processes at once.
 #[derive(Clone, Copy, Debug)]
@@ -272,7 +273,8 @@ impl Trial {
             });
             return;
         }
-        alarm::set(HUNG_S);
+        // Where there is no limit a copy that hangs is waited for.
+        let _ = setrlimit(Resource::RLIMIT_CPU, HUNG_S, HUNG_S);
         let (plan, stack_top) = (Arc::clone(&original.plan), original.memory.stack_top);
         let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
         let watch = Watch::new(&log, stop.at.0);

@@ -18,8 +18,10 @@ use outerloop_core::{Event, Mode};
 use std::path::Path;
 use std::time::Instant;
 
-/// Control steps with PERMIT high from one reset or crash to the next, a test and a half.
+/// Control steps with PERMIT high from one reset or crash to the next, a test and a half; in each further part of a soak some more,
+/// so that they fall into other moments of a test.
 const BETWEEN: u64 = 30_000;
+const MORE_A_PART: u64 = 1234;
 
 /// Each in its turn ends the program, or the button does.
 const ENDS: [(InjectedFault, StartCause); 3] = [
@@ -50,21 +52,24 @@ struct Soak {
     whole: Experiment,
     trips: Experiment,
     outcomes: Outcomes,
+    /// Which part of a soak, from 0.
+    part: usize,
     /// The board's time since power-up.
     now_s: f64,
 }
 
 impl Soak {
-    fn new(board_s: u64) -> Self {
+    fn new(board_s: u64, part: usize) -> Self {
+        let between = BETWEEN + MORE_A_PART * part as u64;
         let ends = (0..)
-            .zip(ENDS.iter().cycle())
+            .zip(ENDS.iter().cycle().skip(part))
             .map(|(i, (fault, _))| PlannedFault {
-                after_steps: (i + 1) * BETWEEN,
+                after_steps: (i + 1) * between,
                 fault: *fault,
             });
         let desk = Desk::with(Bench {
             longest_s: 2 * board_s + 60,
-            then: ends.take((board_s * 2000 / BETWEEN) as usize + 1).collect(),
+            then: ends.take((board_s * 2000 / between) as usize + 1).collect(),
             ..Bench::default()
         });
         Self {
@@ -72,6 +77,7 @@ impl Soak {
             whole: experiment(false),
             trips: experiment(true),
             outcomes: Outcomes::default(),
+            part,
             now_s: 0.0,
         }
     }
@@ -85,7 +91,7 @@ impl Soak {
         let is_reset = |(_, seen): &(u64, LoggedEvent)| *seen == LoggedEvent::Reset;
         let was_reset = log.seen.iter().any(is_reset);
         if was_reset {
-            let (_, cause) = ENDS[self.outcomes.reset as usize % ENDS.len()];
+            let (_, cause) = ENDS[(self.part + self.outcomes.reset as usize) % ENDS.len()];
             assert_eq!((status.started, status.state), (cause, Mode::Idle));
             assert_eq!(status.last_crash.is_some(), cause == StartCause::Watchdog);
             assert!(!status.permit);
@@ -151,8 +157,8 @@ impl Soak {
 }
 
 /// Runs for so long, s of the board's time.
-fn soaked(board_s: u64) -> Outcomes {
-    let (began, mut soak) = (Instant::now(), Soak::new(board_s));
+fn soaked(board_s: u64, part: usize) -> Outcomes {
+    let (began, mut soak) = (Instant::now(), Soak::new(board_s, part));
     let mut was_reset = false;
     while soak.now_s < board_s as f64 {
         was_reset = soak.seen().1 || was_reset;
@@ -173,17 +179,24 @@ fn soaked(board_s: u64) -> Outcomes {
 
 #[test]
 fn a_minute_of_tests_with_a_reset_and_a_crash_loses_nothing() {
-    let seen = soaked(60);
+    let seen = soaked(60, 0);
     assert!(seen.completed >= 2 && seen.reset >= 2, "{seen:?}");
 }
 
 #[test]
 #[ignore = "nightly: hours"]
 fn hours_of_tests_with_trips_resets_and_crashes_lose_nothing() {
-    let minutes: u32 = std::env::var("OUTERLOOP_SOAK_MINUTES").map_or(8 * 60, |m| {
-        m.parse().expect("OUTERLOOP_SOAK_MINUTES: a whole number")
-    });
-    let seen = soaked(60 * u64::from(minutes));
+    let asked = |name: &str, usual: u32| {
+        let said = std::env::var(name).ok();
+        said.map_or(usual, |n| {
+            n.parse()
+                .unwrap_or_else(|_| panic!("{name} = {n}: accepted is a whole number"))
+        })
+    };
+    let minutes = asked("OUTERLOOP_SOAK_MINUTES", 8 * 60);
+    // The first is that of every push.
+    let part = asked("OUTERLOOP_SOAK_PART", 1);
+    let seen = soaked(60 * u64::from(minutes), part as usize);
     assert!(
         seen.completed > minutes && seen.tripped > minutes / 3 && seen.reset > minutes,
         "{seen:?}"

@@ -29,9 +29,9 @@ fn period<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     let _ = black_box(outer.handle(black_box(Event::Start)));
     outer.set_commissioning_command(black_box(None));
     outer.watch(black_box(true));
-    if let Some((number, blocks)) = outer.next_block() {
-        black_box(blocks);
-        outer.order(number, black_box(Orders::NONE));
+    if let Some((number, seen)) = outer.shown() {
+        black_box(seen);
+        outer.order(number, Some(&black_box(Orders::NONE)));
     }
     let sample = black_box(Sample::new([0.0; N], [0.0; N]));
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));

@@ -4,8 +4,8 @@ use super::board::{CLOCK, CODES, Plant, SimBoard};
 use super::faulty::Faulty;
 use crate::hardware::Hardware;
 use crate::station::{
-    Answered, Blocks, Board, CommandResult, FlashRecord, Heartbeat, Heartbeats, Order, Outcome,
-    Parts, Points, QueueEnds, Report, Service, Setup, Station, WatchParts, Watches,
+    AnswerQueue, Board, CommandResult, FlashRecord, Heartbeat, Heartbeats, Order, Outcome, Parts,
+    Points, QueueEnds, Report, Service, Setup, ShownQueue, Station, WatchParts, Watches,
 };
 use heapless::spsc::{Consumer, Queue};
 use link::Calibration;
@@ -79,8 +79,8 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
         let (reports_in, reports) = leak(Queue::<Report, 256>::new()).split();
-        let (blocks_in, blocks) = leak(Queue::<Blocks, 16>::new()).split();
-        let (answers, answers_out) = leak(Queue::<Answered, 16>::new()).split();
+        let (shown_in, shown) = leak(ShownQueue::new()).split();
+        let (answers, answers_out) = leak(AnswerQueue::new()).split();
         let heartbeats = leak(Heartbeats::new());
         // The clock allows 2 kHz.
         let setup = || leak(Setup::unconfigured(&CLOCK, A).unwrap_or_else(|r| panic!("{r}")));
@@ -90,7 +90,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
             orders: orders_out,
             outcomes: outcomes_in,
             reports: reports_in,
-            blocks: blocks_in,
+            shown: shown_in,
             answers: answers_out,
         };
         let codes = hardware.codes().unwrap_or([[0; 2]; A]);
@@ -106,7 +106,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     calibrations: core::iter::repeat_n(None, A).collect(),
                     watch: WatchParts {
                         watches: leak(Watches::new()),
-                        blocks,
+                        shown,
                         answers,
                     },
                 },

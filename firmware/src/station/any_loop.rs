@@ -1,8 +1,8 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
 use super::rehearsal::rehearse;
-use super::watchers::{Answered, Blocks};
-use outerloop_core::watch::{AxisOrders, Block, Orders};
+use super::watchers::{Answered, Shown};
+use outerloop_core::watch::{AxisOrders, Orders};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
@@ -104,36 +104,31 @@ impl AnyLoop {
         each_loop!(self, outer => outer.watch(corrects));
     }
 
-    /// True in a step so many behind the one that filled a block of the rig watch, and in later ones.
+    /// What the rig watch is to see of the last control step.
     #[inline]
-    pub fn is_past_block(&self, steps: u16) -> bool {
-        each_loop!(self, outer => outer.is_past_block(steps))
-    }
-
-    /// The next block for the rig watch.
-    #[inline]
-    pub fn next_blocks(&mut self) -> Option<Blocks> {
+    pub fn shown(&mut self) -> Option<Shown> {
         each_loop!(self, outer => {
-            let (number, blocks) = outer.next_block()?;
-            let of = core::array::from_fn(|j| blocks.get(j).copied().unwrap_or(Block::EMPTY));
-            Some(Blocks { number, of })
+            let (number, seen) = outer.shown()?;
+            let of = core::array::from_fn(|j| seen.get(j).copied().unwrap_or_default());
+            Some(Shown { number, of })
         })
     }
 
     /// What the rig watch asks for.
     #[inline]
     pub fn order(&mut self, answered: &Answered) {
-        let orders = &answered.orders;
-        each_loop!(self, outer => {
-            let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
-            outer.order(
-                answered.number,
-                Orders {
+        let Answered { number, orders } = answered;
+        each_loop!(self, outer => match orders {
+            None => outer.order(*number, None),
+            Some(orders) => {
+                let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
+                let own = Orders {
                     axes: core::array::from_fn(axis),
                     state: orders.state,
                     alarm: orders.alarm,
-                },
-            );
+                };
+                outer.order(*number, Some(&own));
+            }
         });
     }
 

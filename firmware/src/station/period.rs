@@ -9,7 +9,7 @@ use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
-use super::watchers::{Answered, Blocks};
+use super::watchers::{Answered, Shown};
 use crate::hardware::Hardware;
 use crate::station::commission::Generator;
 use heapless::spsc::{Consumer, Producer};
@@ -61,7 +61,7 @@ pub struct Station<const A: usize = 1> {
     orders: Consumer<'static, Order>,
     outcomes: Producer<'static, Outcome>,
     reports: Producer<'static, Report>,
-    blocks: Producer<'static, Blocks>,
+    shown: Producer<'static, Shown>,
     answers: Consumer<'static, Answered>,
 }
 
@@ -94,8 +94,8 @@ pub struct QueueEnds {
     pub outcomes: Producer<'static, Outcome>,
     /// Reports of the steps.
     pub reports: Producer<'static, Report>,
-    /// Blocks of steps to the rig watch.
-    pub blocks: Producer<'static, Blocks>,
+    /// Steps to the rig watch.
+    pub shown: Producer<'static, Shown>,
     /// Its answers.
     pub answers: Consumer<'static, Answered>,
 }
@@ -135,7 +135,7 @@ impl<const A: usize> Station<A> {
             orders: ends.orders,
             outcomes: ends.outcomes,
             reports: ends.reports,
-            blocks: ends.blocks,
+            shown: ends.shown,
             answers: ends.answers,
         }
     }
@@ -318,19 +318,16 @@ impl<const A: usize> Station<A> {
         next_m
     }
 
-    /// A block of steps goes to the rig watch in the step after it was full, and what the watch asks for comes back in those after that.
+    /// The step goes to the rig watch, and what the watch asks for comes back.
     fn pass_to_watch(&mut self) {
         let outer = &mut self.setup.outer;
-        if outer.is_past_block(1)
-            && let Some(blocks) = outer.next_blocks()
-        {
-            // One that finds no room is not answered: that ends the watch, and the records say so.
-            let _ = self.blocks.enqueue(blocks);
+        if let Some(shown) = outer.shown() {
+            // One that finds no room ends the watch: its block is not answered, and the records say so.
+            let _ = self.shown.enqueue(shown);
         }
-        if outer.is_past_block(2)
-            && let Some(answered) = self.answers.dequeue()
-        {
-            outer.order(&answered);
+        if let Some(answered) = self.answers.peek() {
+            outer.order(answered);
+            self.answers.dequeue();
         }
     }
 

@@ -1,27 +1,29 @@
-//! The rig watch beside the loop: the interrupt gives blocks away and takes orders, the tasks judge in between.
+//! The rig watch beside the loop: the interrupt gives steps away and takes orders, the tasks judge in between.
 //!
 //! ```text
-//!  control interrupt   AnyLoop: block full ─► Blocks ─►┐                   ┌─► Answered ─► in force 8 blocks later
-//!  tasks                                               └─► Watchers::judge ┘
+//!  control interrupt   AnyLoop: each step ─► Shown ─►┐                        ┌─► Answered ─► in force 8 blocks later
+//!  tasks                                             └─► Taps ─► Watchers::judge ┘
 //! ```
 //!
 //! An answer that is late or lost ends the watch of the test, and the records say so (`core/src/watch/post.rs`).
 
 use crate::step_time::StepTime;
 use heapless::Vec;
-use heapless::spsc::{Consumer, Producer};
+use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
 use link::status::WatchStatus;
 use outerloop_core::Refusal;
-use outerloop_core::watch::{AxisOrders, Block, Instructions, Orders, State, Watch, judge};
+use outerloop_core::watch::{
+    AxisOrders, Block, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
+};
 
-/// A block of each actuator, on its way to the tasks.
+/// A control step, on its way to the tasks.
 #[derive(Clone, Copy, Debug)]
-pub struct Blocks {
+pub struct Shown {
     /// Its number in the running test, from 0.
     pub number: u32,
-    /// Of each actuator; of those that the test does not have they are empty.
-    pub of: [Block; MAX_ACTUATORS],
+    /// Of each actuator; of those that the test does not have they are 0.
+    pub of: [Seen; MAX_ACTUATORS],
 }
 
 /// What is asked of the loop in answer to a block.
@@ -29,9 +31,15 @@ pub struct Blocks {
 pub struct Answered {
     /// The block's number.
     pub number: u32,
-    /// For each actuator.
-    pub orders: Orders<MAX_ACTUATORS>,
+    /// For each actuator, where it is something else than for the block before.
+    pub orders: Option<Orders<MAX_ACTUATORS>>,
 }
+
+/// Steps on their way: those of the 8 blocks that a test waits for, at the fastest rate of a board, and some.
+pub type ShownQueue = Queue<Shown, 64>;
+
+/// Answers on their way.
+pub type AnswerQueue = Queue<Answered, 16>;
 
 /// The watches of a test, one for each actuator.
 pub type Watches = Vec<Watch, MAX_ACTUATORS>;
@@ -40,8 +48,8 @@ pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 pub struct WatchParts {
     /// Where the watches are: too large for a stack.
     pub watches: &'static mut Watches,
-    /// Blocks from the interrupt.
-    pub blocks: Consumer<'static, Blocks>,
+    /// Steps from the interrupt.
+    pub shown: Consumer<'static, Shown>,
     /// Answers to it.
     pub answers: Producer<'static, Answered>,
 }
@@ -49,21 +57,26 @@ pub struct WatchParts {
 /// Judges the running test.
 pub(super) struct Watchers {
     own: WatchParts,
+    taps: Taps<MAX_ACTUATORS>,
     corrects: bool,
     state: State,
-    /// The next block.
-    next: u32,
+    /// What was asked of the loop last.
+    asked: Orders<MAX_ACTUATORS>,
     time: StepTime,
+    /// Ticks since the last block was judged.
+    spent: u32,
 }
 
 impl Watchers {
     pub(super) fn new(own: WatchParts) -> Self {
         Self {
             own,
+            taps: Taps::of(1),
             corrects: false,
             state: State::Sound,
-            next: 0,
+            asked: Orders::NONE,
             time: StepTime::new(u32::MAX),
+            spent: 0,
         }
     }
 
@@ -85,44 +98,67 @@ impl Watchers {
         self.corrects
     }
 
-    /// Takes in what the next actuator is.
+    /// Takes in what the next actuator is; a block has so many control steps.
     #[inline(never)] // A watch is a few KiB, and the tasks' frames stand below it.
-    pub(super) fn tell(&mut self, told: &Instructions) -> Result<(), Refusal> {
+    pub(super) fn tell(&mut self, told: &Instructions, steps: u16) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
+        self.taps = Taps::of(steps);
         self.corrects |= told.corrects();
         // There is room for every actuator of a board.
         let _ = self.own.watches.push(watch);
         Ok(())
     }
 
-    /// Judges the blocks that have come, each a bounded piece of work; true if state or set have changed. `now` times it.
+    /// Judges the steps that have come, each a bounded piece of work; true if state or set have changed. `now` times it.
     pub(super) fn judge(&mut self, now: fn() -> u32) -> bool {
         let mut changed = false;
-        while let Some(blocks) = self.own.blocks.dequeue() {
+        let actuators = self.own.watches.len();
+        // Looked at where it is: what is taken out of the queue is copied.
+        while let Some(shown) = self.own.shown.peek() {
             let begin = now();
-            if blocks.number == 0 {
+            if shown.number == 0 {
                 self.own.watches.iter_mut().for_each(Watch::rest);
-                self.next = 0;
+                self.asked = Orders::NONE;
             }
-            // After one that was lost the loop takes no more.
-            if blocks.number != self.next {
-                continue;
+            let seen = shown.of.iter().take(actuators);
+            let full = self.taps.add(shown.number, seen);
+            let _ = self.own.shown.dequeue();
+            if let Some((number, blocks)) = full {
+                changed |= self.answer(number, &blocks);
             }
-            self.next = self.next.wrapping_add(1);
-            let mut orders = Orders {
-                axes: [AxisOrders::NONE; MAX_ACTUATORS],
-                ..Orders::NONE
-            };
-            let verdict = judge(self.own.watches.iter_mut(), &blocks.of, &mut orders.axes);
-            (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
-            self.state = verdict.state;
-            changed |= verdict.changed;
-            let number = blocks.number;
-            // Where there is no room the loop goes on without an answer.
-            let _ = self.own.answers.enqueue(Answered { number, orders });
-            self.time.add(now().wrapping_sub(begin));
+            self.spent = self.spent.wrapping_add(now().wrapping_sub(begin));
+            if full.is_some() {
+                self.time.add(core::mem::take(&mut self.spent));
+            }
         }
         changed
+    }
+
+    /// Judges a block, and answers it.
+    fn answer(&mut self, number: u32, blocks: &[Block; MAX_ACTUATORS]) -> bool {
+        let mut orders = Orders {
+            axes: [AxisOrders::NONE; MAX_ACTUATORS],
+            ..Orders::NONE
+        };
+        let verdict = judge(self.own.watches.iter_mut(), blocks, &mut orders.axes);
+        (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
+        self.state = verdict.state;
+        let others = core::mem::replace(&mut self.asked, orders) != orders;
+        let orders = others.then_some(orders);
+        // Where there is no room the loop goes on without an answer.
+        let _ = self.own.answers.enqueue(Answered { number, orders });
+        verdict.changed
+    }
+
+    /// What it says of the rig, of the worst actuator.
+    pub(super) fn state(&self) -> State {
+        self.state
+    }
+
+    /// The causes of the set of each actuator, from 1, with their values.
+    pub(super) fn findings(&self) -> impl Iterator<Item = (usize, &Finding)> {
+        let each = (1..).zip(self.own.watches.iter());
+        each.flat_map(|(actuator, watch)| watch.findings().map(move |found| (actuator, found)))
     }
 
     /// What it says; nothing where no test is watched.

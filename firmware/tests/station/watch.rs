@@ -8,7 +8,7 @@ use link::reply::{Obstacle, Reply};
 use link::status::WatchStatus;
 use link::telemetry::digest;
 use outerloop_core::watch::{
-    Actions, Corrections, Declared, DeclaredActuator, Instructions, State,
+    Actions, Cause, Corrections, Declared, DeclaredActuator, Instructions, State,
 };
 use outerloop_core::watch::{Watch, judge};
 use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Sample, flag};
@@ -155,4 +155,34 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
         }
     }
     assert_eq!(judged, said.blocks);
+}
+
+#[test]
+fn what_is_named_can_be_told_with_its_value() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    let mut told = instructions();
+    // The actuator goes 8 % further than that.
+    told.declared.actuator.gain = 1.0 / 1.08;
+    done(&b.ask(Command::Watch(0, told)));
+    // At the structure's frequency: some millimetres.
+    let sways: Vec<f32> = (0..600).map(|i| 0.06 * (0.126 * i as f32).sin()).collect();
+    b.upload(&sways, 0.01);
+    for _ in 0..300 {
+        b.step();
+    }
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    done(&b.event(Event::Start));
+    assert_eq!(
+        (b.service.watch_state(), b.service.findings().count()),
+        (State::Sound, 0)
+    );
+    b.until(Mode::Finished);
+    assert_eq!(b.service.watch_state(), State::Named);
+    let found: Vec<_> = b.service.findings().collect();
+    let gain = found.iter().find(|(_, f)| f.cause == Cause::ActuatorGain);
+    let (actuator, gain) = gain.expect("the actuator's gain");
+    assert_eq!(*actuator, 1);
+    assert!((gain.value - 0.08).abs() < 0.01, "{gain:?}");
 }

@@ -6,10 +6,11 @@
 use clap::Parser;
 use comfy_table::{Table, presets};
 use host_tests::qemu::cycles::{Code, Course};
-use host_tests::qemu::dearest::dearest;
+use host_tests::qemu::dearest::{dearest, dearest_watched};
 use host_tests::qemu::image::image;
 use host_tests::qemu::spent::{Grain, Share, places};
 use outerloop_core::Method;
+use outerloop_core::watch::Actions;
 use std::error::Error;
 use std::path::Path;
 
@@ -22,6 +23,9 @@ struct Arguments {
     /// Storeys, of which the lowest stands in the laboratory.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
     storeys: u8,
+    /// Watched, with an actuator at each storey.
+    #[arg(long)]
+    watched: bool,
     /// Rows of each table.
     #[arg(long, default_value_t = 25)]
     rows: usize,
@@ -36,7 +40,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let image = image("qemu", "qemu").ok_or("the image cannot be built or run here")?;
     let code = Code::new(&std::fs::read(&image)?)?;
     let method = arguments.method;
+    let watched = arguments.watched.then(Actions::default);
     let course = match arguments.storeys {
+        1 if watched.is_some() => dearest_watched::<1>(&image, &code, method, watched)?,
+        2 if watched.is_some() => dearest_watched::<2>(&image, &code, method, watched)?,
+        _ if watched.is_some() => dearest_watched::<3>(&image, &code, method, watched)?,
         1 => dearest::<1>(&image, &code, method)?,
         2 => dearest::<2>(&image, &code, method)?,
         _ => dearest::<3>(&image, &code, method)?,

@@ -103,6 +103,7 @@ impl Proofs {
     /// The page.
     pub fn page(&self) -> String {
         let mut page = String::from(HEAD);
+        self.shares(&mut page);
         for kind in Kind::ALL.into_iter().filter(|k| *k != Kind::Mode) {
             self.rows(&mut page, kind);
         }
@@ -112,14 +113,30 @@ impl Proofs {
         page
     }
 
+    /// How much of each kind is held where.
+    fn shares(&self, page: &mut String) {
+        page.push_str("\n| | there are | host | image | a reason in place of the image |\n|---|---|---|---|---|\n");
+        for kind in Kind::ALL {
+            let ids: Vec<&Id> = self.ids.iter().filter(|id| id.kind == kind).collect();
+            let share = |place: Place| {
+                let proved = ids.iter().filter(|id| self.proved(&id.name, place));
+                100.0 * proved.count() as f64 / ids.len() as f64
+            };
+            let reasons = ids.iter().filter(|id| exempt(id, Place::Image).is_some());
+            let _ = writeln!(
+                page,
+                "| {} | {} | {:.0} % | {:.0} % | {} |",
+                title(kind),
+                ids.len(),
+                share(Place::Host),
+                share(Place::Image),
+                reasons.count()
+            );
+        }
+    }
+
     fn rows(&self, page: &mut String, kind: Kind) {
-        let title = match kind {
-            Kind::Command => "Commands",
-            Kind::Fault => "Faults",
-            Kind::Obstacle => "What stands against arming",
-            Kind::Limit => "Limits",
-            Kind::Mode => "Modes and events",
-        };
+        let title = title(kind);
         let _ = write!(
             page,
             "\n## {title}\n\n| id | host | QEMU | image | seen by |\n|---|---|---|---|---|\n"
@@ -214,6 +231,16 @@ impl Proofs {
             } = mutant;
             let _ = writeln!(page, "| M{} | {name} | {file} | `{test}` |", at + 1);
         }
+    }
+}
+
+fn title(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Command => "Commands",
+        Kind::Fault => "Faults",
+        Kind::Obstacle => "What stands against arming",
+        Kind::Limit => "Limits",
+        Kind::Mode => "Modes and events",
     }
 }
 

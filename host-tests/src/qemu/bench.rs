@@ -3,8 +3,12 @@
 use super::machine::{Clock, Machine, Test};
 use crate::{Scenario, Shaking};
 use firmware::session::SessionAccount;
+use link::Command;
 use link::reply::RefusedParameter;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag};
+use outerloop_core::watch::{Actions, Declared, DeclaredActuator, Instructions, Watch, judge};
+use outerloop_core::{
+    Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
+};
 use plant::Rig;
 use std::io::{Error, Result};
 use std::path::Path;
@@ -65,7 +69,46 @@ pub fn plain(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
     (event, None)
 }
 
-/// Runs `ticks` control periods with core in this process.
+/// What the watch is told of each actuator of a test: actuators that are `late_s` late, and specimens as the structure has
+/// them, with a first frequency of `omega_rad_per_s`.
+pub fn told(
+    config: &Config,
+    (omega_rad_per_s, peak_m, late_s): (f64, f64, f64),
+    actions: Actions,
+) -> Vec<Instructions> {
+    let storeys = config.physical_storeys();
+    let stiffness = &config.structure.stiffness_n_per_m;
+    let declared = |j: usize| Declared {
+        rate_hz: config.timing.rate_hz,
+        omega_rad_per_s,
+        peak_m,
+        stiffness_n_per_m: stiffness[j] + stiffness.get(j + 1).copied().unwrap_or(0.0),
+        stiffness_tolerance: 0.02,
+        actuator: DeclaredActuator {
+            gain: 1.0,
+            delay_s: late_s,
+            lag_s: 0.0,
+            offset_m: 0.0,
+            tolerances: [0.005, 5e-4, 0.0],
+        },
+        alone: config.degrees_of_freedom() == 1,
+        has_actuator: true,
+        has_specimen: config.degrees_of_freedom() == 1,
+        elastic: true,
+        damping_n_s_per_m: 0.0,
+        mass_kg: 0.0,
+        force_gain: 1.0,
+        force_offset_n: 0.0,
+        noise: [0.0; 2],
+    };
+    let each = (0..storeys).map(|j| Instructions {
+        declared: declared(j),
+        actions,
+    });
+    each.collect()
+}
+
+/// Runs `ticks` control periods with core in this process; gives the watches that have seen them, too.
 ///
 /// # Errors
 /// The test is refused.
@@ -74,7 +117,7 @@ pub fn here<const N: usize>(
     ticks: u32,
     script: Script<'_>,
     rig: impl FnMut(&[f32; N]) -> Sample<N>,
-) -> Result<(Records, u64)> {
+) -> Result<(Records, u64, Vec<Watch>)> {
     let design = Design::new(test.config)
         .map_err(|refusal| Error::other(RefusedParameter::from(refusal).to_string()))?;
     let mut outer = OuterLoop::<N>::new(design);
@@ -85,18 +128,28 @@ pub fn here<const N: usize>(
     let ground = GroundMotion::new(acc_m_per_s2, *interval_s, test.config.model_step_s())
         .ok_or_else(|| Error::other("the ground motion is refused"))?;
     let mut hash = Record::<N>::HASH_START;
-    let records = drive(ticks, script, rig, |event, sample| {
-        if let Some(event) = event {
+    let mut watches = Vec::new();
+    let records = drive(test, ticks, script, rig, |command, sample| {
+        match command {
             // Refused where it means nothing yet, here as there.
-            let _ = outer.handle(event);
+            Some(Command::Event(event)) => drop(outer.handle(*event)),
+            Some(Command::Watch(_, told)) => {
+                let watch =
+                    Watch::new(told).map_err(|refusal| Error::other(refusal.to_string()))?;
+                watches.push(watch);
+                outer.watch(told.corrects());
+            }
+            _ => {}
         }
         let step = outer.step(&sample, &ground);
         hash = step.record.hash(hash);
         let mut words = Vec::with_capacity(Record::<N>::WORDS);
         step.record.for_each_word(|w| words.push(w));
-        Ok((step.command_m, words))
+        let command_m = step.command_m;
+        outer.be_judged(|blocks, orders| judge(watches.iter_mut(), blocks, orders));
+        Ok((command_m, words))
     })?;
-    Ok((records, hash))
+    Ok((records, hash, watches))
 }
 
 /// Runs `ticks` control periods with the image in QEMU.
@@ -113,22 +166,24 @@ pub fn emulated<const N: usize>(
 ) -> Result<(Records, SessionAccount)> {
     let mut machine = Machine::start(image, clock)?;
     machine.begin(test)?;
-    let records = drive(ticks, script, rig, |event, sample| {
-        let (answer, words) = machine.period(event, sample)?;
+    let records = drive(test, ticks, script, rig, |command, sample| {
+        let (answer, words) = machine.period(command, sample)?;
         Ok((answer.command_m, words))
     })?;
     Ok((records, machine.end()?))
 }
 
-/// The closed loop: the rig moves, is sampled, and the loop answers with the next command.
+/// The closed loop: the rig moves, is sampled, and the loop answers with the next command. The first periods tell the watch
+/// what it has to know; what the operator wants in one of these is not heard.
 ///
 /// # Errors
 /// Those of `period`.
 pub fn drive<const N: usize>(
+    test: &Test<'_>,
     ticks: u32,
     script: Script<'_>,
     mut rig: impl FnMut(&[f32; N]) -> Sample<N>,
-    mut period: impl FnMut(Option<Event>, Sample<N>) -> Result<([f32; N], Vec<u32>)>,
+    mut period: impl FnMut(Option<&Command>, Sample<N>) -> Result<([f32; N], Vec<u32>)>,
 ) -> Result<Records> {
     let mut records = Records::with_capacity(ticks as usize);
     let mut command_m = [0.0; N];
@@ -138,7 +193,8 @@ pub fn drive<const N: usize>(
         let (event, fault) = script(tick, state);
         sample.fault = fault;
         let words;
-        (command_m, words) = period(event, sample)?;
+        let command = test.told(tick).or(event.map(Command::Event));
+        (command_m, words) = period(command.as_ref(), sample)?;
         state = state_of(&words)?;
         records.push(words);
     }

@@ -1,10 +1,11 @@
 //! The dearest step of a test with each method, for the cycle model.
 
-use super::bench::rig;
+use super::bench::{rig, told};
 use super::cycles::{Code, Course};
 use super::machine::Test;
 use super::traced::traced;
 use crate::{Scenario, Shaking, table1, whole_pipeline};
+use outerloop_core::watch::Actions;
 use outerloop_core::{Config, Event, Fault, Method, Mode};
 use std::io::{Error, Result};
 use std::path::Path;
@@ -30,12 +31,12 @@ fn script(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
     (event, None)
 }
 
-/// The whole pipeline on `N` storeys, the lowest of which stands in the laboratory and yields.
-fn scenario<const N: usize>(method: Method) -> Scenario {
+/// The whole pipeline on `N` storeys, the lowest `physical` of which stand in the laboratory and yield.
+fn scenario<const N: usize>(method: Method, physical: u8) -> Scenario {
     let mut config = table1();
     if N > 1 {
         config = Config::shear_frame([1000.0; N], [797.3e3; N], [0.02; N]);
-        config.structure.physical_storeys = Some(1);
+        config.structure.physical_storeys = Some(physical);
     }
     let mut scenario = whole_pipeline(Scenario::delayed(config, 4.0)).with(method);
     scenario.specimen = "kind = 'bilinear'\nyield_mm = 2.0\nhardening_ratio = 0.05".into();
@@ -53,13 +54,40 @@ fn scenario<const N: usize>(method: Method) -> Scenario {
 /// # Panics
 /// Where the trace has another number of steps than the test has control periods.
 pub fn dearest<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
-    let scenario = scenario::<N>(method);
+    of::<N>(image, code, &scenario::<N>(method, 1), None)
+}
+
+/// The same with an actuator at each storey; watched where the watch may do something.
+///
+/// # Errors
+/// As [`dearest`].
+///
+/// # Panics
+/// As [`dearest`].
+pub fn dearest_watched<const N: usize>(
+    image: &Path,
+    code: &Code,
+    method: Method,
+    watched: Option<Actions>,
+) -> Result<Course> {
+    of::<N>(image, code, &scenario::<N>(method, N as u8), watched)
+}
+
+fn of<const N: usize>(
+    image: &Path,
+    code: &Code,
+    scenario: &Scenario,
+    watched: Option<Actions>,
+) -> Result<Course> {
     let shaking = shaking();
+    let about = (12.0, 0.05, 0.004);
+    let watched = watched.map(|actions| told(&scenario.config, about, actions));
     let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
+        watched: watched.as_deref().unwrap_or_default(),
+        ..Test::new(&scenario.config, &shaking)
     };
-    let courses = traced::<N>(image, code, &test, PERIODS, &script, rig(&scenario, 1))?;
+    let method = scenario.config.compensation.kind;
+    let courses = traced::<N>(image, code, &test, PERIODS, &script, rig(scenario, 1))?;
     assert!(courses.len() > 60, "{method}: {} solved", courses.len());
     let dearest = courses.into_iter().max_by_key(|c| c.cost.cycles);
     dearest.ok_or(Error::other("no step"))

@@ -7,7 +7,8 @@ use link::command::{CHUNK, Command};
 use link::frame::checksum;
 use link::message::Message;
 use link::reply::{NumberedReply, Reply};
-use outerloop_core::{Config, Event, Sample};
+use outerloop_core::watch::Instructions;
+use outerloop_core::{Config, Sample};
 use std::io::{Error, Read, Result, Write};
 use std::path::Path;
 use std::process::{self, Child, ChildStderr, Stdio};
@@ -28,13 +29,32 @@ pub fn with_image(image: &Path) -> process::Command {
     command
 }
 
-/// A test: configuration and ground motion.
+/// A test: configuration, ground motion, and what the rig watch is told.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<'a> {
     /// Configuration.
     pub config: &'a Config,
     /// Ground motion.
     pub shaking: &'a Shaking,
+    /// Of each actuator; nothing where the test is not watched.
+    pub watched: &'a [Instructions],
+}
+
+impl<'a> Test<'a> {
+    /// A test that is not watched.
+    pub fn new(config: &'a Config, shaking: &'a Shaking) -> Self {
+        Self {
+            config,
+            shaking,
+            watched: &[],
+        }
+    }
+
+    /// Before the control period `tick` the image is told of this actuator's watch, if there is one.
+    pub fn told(&self, tick: u32) -> Option<Command> {
+        let told = self.watched.get(tick as usize)?;
+        Some(Command::Watch(tick as u8, told.clone()))
+    }
 }
 
 /// How the emulator's clock runs and what it measures.
@@ -143,21 +163,26 @@ impl<const N: usize> Machine<N> {
         }
     }
 
-    /// One control period; gives what was sent and the words of the record.
+    /// One control period, after `command`; gives what was sent and the words of the record.
     ///
     /// # Errors
-    /// The image has gone.
+    /// The image has gone, or refuses the command.
     pub fn period(
         &mut self,
-        event: Option<Event>,
+        command: Option<&Command>,
         sample: Sample<N>,
     ) -> Result<(PeriodReply<N>, Vec<u32>)> {
-        let command = event.is_some();
-        self.write(&PeriodRequest::Step { command, sample }.encode())?;
-        if let Some(event) = event {
-            self.send(&Command::Event(event))?;
-            // Rejected where it means nothing yet, here as there.
-            self.reply()?;
+        let request = PeriodRequest::Step {
+            command: command.is_some(),
+            sample,
+        };
+        self.write(&request.encode())?;
+        if let Some(command) = command {
+            self.send(command)?;
+            // An event that means nothing yet is rejected, here as there.
+            if let Reply::Refused(refused) = self.reply()? {
+                return Err(Error::other(refused.to_string()));
+            }
         }
         let mut bytes = vec![0; PeriodReply::<N>::BYTES];
         self.read(&mut bytes)?;

@@ -28,8 +28,8 @@ pub fn traced<const N: usize>(
     let (courses, records) = std::thread::scope(|scope| {
         let reader = scope.spawn(|| code.steps(trace));
         machine.begin(test)?;
-        let records = drive::<N>(ticks, script, rig, |event, sample| {
-            let (answer, words) = machine.period(event, sample)?;
+        let records = drive::<N>(test, ticks, script, rig, |command, sample| {
+            let (answer, words) = machine.period(command, sample)?;
             Ok((answer.command_m, words))
         })?;
         machine.end()?;

@@ -33,10 +33,8 @@ fn parts_of_one() -> Option<&'static [Counts]> {
 fn parts<const N: usize>(scenario: &Scenario) -> Option<Vec<Counts>> {
     let image = image("qemu", "qemu")?;
     let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking(2.0),
-    };
+    let shaking = shaking(2.0);
+    let test = Test::new(&scenario.config, &shaking);
     let rig = rig(scenario, 1);
     let steps = traced::<N>(&image, &code, &test, 2000, &bench::plain, rig).unwrap();
     Some(profile::parts(&image, &steps).unwrap())
@@ -81,10 +79,7 @@ fn the_image_counts_the_same() {
     };
     let scenario = single();
     let shaking = shaking(2.0);
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
-    };
+    let test = Test::new(&scenario.config, &shaking);
     let run = || {
         emulated::<1>(
             &image,
@@ -115,10 +110,7 @@ fn state_and_stack() {
     };
     fn of<const N: usize>(image: &std::path::Path, scenario: &Scenario) -> [u32; 3] {
         let shaking = shaking(2.0);
-        let test = Test {
-            config: &scenario.config,
-            shaking: &shaking,
-        };
+        let test = Test::new(&scenario.config, &shaking);
         let (_, summary) = emulated::<N>(
             image,
             Clock::Free,

@@ -1,9 +1,11 @@
 //! Cycles of a step on the board, by a model of its core and its flash, against the deadline.
 
 use host_tests::qemu::cycles::{Code, Cost};
-use host_tests::qemu::dearest::dearest;
+use host_tests::qemu::dearest::{dearest, dearest_watched};
 use host_tests::qemu::image::image;
+use outerloop_core::watch::{Actions, Corrections};
 use outerloop_core::{Method, Prediction};
+use std::path::Path;
 
 /// From the sample to the command, 25 us at 168 MHz.
 const DEADLINE: u64 = 4200;
@@ -111,4 +113,59 @@ fn cycles_of_a_step_with_every_method() {
         AIM[1],
         missed[0][1]
     );
+}
+
+/// What watching may add to the longest step, cycles, where nothing may be corrected: 60 are the aim, 48 to 52 are found.
+const WATCHED_MOST: u64 = 60;
+
+/// Longest step without the watch, with it, and with everything that it may do.
+fn watched<const N: usize>(image: &Path, code: &Code) -> [Cost; 3] {
+    let all = Corrections {
+        lateness: true,
+        gain: true,
+        late_sensor: true,
+    };
+    let acts = Actions {
+        hold: true,
+        trip: true,
+        correct: all,
+        ..Actions::default()
+    };
+    let holds = Actions {
+        correct: Corrections::default(),
+        ..acts
+    };
+    [None, Some(holds), Some(acts)].map(|watched| {
+        let course = dearest_watched::<N>(image, code, Method::Paper, watched);
+        course.unwrap().cost
+    })
+}
+
+#[test]
+fn what_the_watch_costs_a_step() {
+    let Some(image) = image("qemu", "qemu") else {
+        return;
+    };
+    let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
+    println!(
+        "cycles of the longest step, `paper`, and what the rig watch adds to it; may correct: with every correction allowed"
+    );
+    println!("actuators  not watched  watched      may correct");
+    let costs = [
+        watched::<1>(&image, &code),
+        watched::<2>(&image, &code),
+        watched::<3>(&image, &code),
+    ];
+    for (actuators, [without, with, corrects]) in (1..).zip(costs) {
+        let more = |c: Cost| c.cycles.saturating_sub(without.cycles);
+        println!(
+            "{actuators:9}  {:11}  {:5} (+{:3})  {:5} (+{:3})",
+            without.cycles,
+            with.cycles,
+            more(with),
+            corrects.cycles,
+            more(corrects)
+        );
+        assert!(more(with) <= WATCHED_MOST, "{} cycles", more(with));
+    }
 }

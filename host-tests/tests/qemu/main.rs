@@ -8,3 +8,4 @@ mod cycles;
 mod methods;
 mod proofs;
 mod same_bits;
+mod watched;

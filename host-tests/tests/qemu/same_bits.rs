@@ -49,11 +49,8 @@ fn same<const N: usize>(
 ) -> Option<Vec<u32>> {
     let image = image("qemu", "qemu")?;
     let shaking = shaking(8.0);
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
-    };
-    let (here, hash) = here::<N>(&test, ticks, script, rig(scenario, 1)).unwrap();
+    let test = Test::new(&scenario.config, &shaking);
+    let (here, hash, _) = here::<N>(&test, ticks, script, rig(scenario, 1)).unwrap();
     let (there, summary) =
         emulated::<N>(&image, Clock::Free, &test, ticks, script, rig(scenario, 1)).unwrap();
     assert_eq!(
@@ -201,10 +198,7 @@ fn a_refusal_has_the_same_words() {
     let mut scenario = Scenario::delayed(table1(), 4.0);
     scenario.config.structure.damping_ratio[0] = -7.5;
     let shaking = shaking(1.0);
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
-    };
+    let test = Test::new(&scenario.config, &shaking);
     let good = Scenario::delayed(table1(), 4.0);
     let here = here::<1>(&test, 1, &bench::plain, rig(&good, 1))
         .unwrap_err()

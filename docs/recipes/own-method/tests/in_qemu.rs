@@ -17,11 +17,8 @@ fn our_method_has_the_same_bits_in_qemu() {
     config.compensation.own = [0.8].into_iter().collect();
     let scenario = Scenario::delayed(config, 4.0);
     let shaking = bench::shaking(3.0);
-    let test = Test {
-        config: &scenario.config,
-        shaking: &shaking,
-    };
-    let (here, hash) = here::<1>(&test, 6400, &bench::plain, rig(&scenario, 1)).unwrap();
+    let test = Test::new(&scenario.config, &shaking);
+    let (here, hash, _) = here::<1>(&test, 6400, &bench::plain, rig(&scenario, 1)).unwrap();
     let there = emulated::<1>(
         image.as_ref(),
         Clock::Free,

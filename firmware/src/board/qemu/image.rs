@@ -5,9 +5,11 @@ use crate::chip::stack::HighWater;
 use crate::session::{PeriodReply, SessionAccount};
 use crate::step_time::StepTime;
 use cortex_m::Peripherals;
+use heapless::Vec;
 use link::Command;
 use link::reply::{RefusedParameter, Reply};
-use outerloop_core::{Design, GroundMotion, OuterLoop, Record};
+use outerloop_core::watch::{Instructions, Watch, judge};
+use outerloop_core::{Design, GroundMotion, OuterLoop, Record, Refusal};
 
 /// The longest ground motion: what the emulated machine's memory leaves room for.
 pub const MAX_POINTS: usize = 14_000;
@@ -49,6 +51,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         return pc.reply(begin.request, Reply::Refused(refused));
     };
     let mut outer = OuterLoop::new(design);
+    let mut watches = Vec::<Watch, N>::new();
     let mut time = StepTime::new(u32::MAX);
     let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
@@ -61,13 +64,23 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
     while let Some((command, sample)) = pc.period::<N>()? {
         if command {
             period_stack = stack.bytes().max(period_stack);
-            let (request, Command::Event(event)) = pc.command()? else {
-                return Err(HostGone);
+            let (request, command) = pc.command()?;
+            let reply = match command {
+                Command::Event(event) => {
+                    stack = HighWater::paint();
+                    let handled = outer.handle(event);
+                    event_stack = stack.bytes().max(event_stack);
+                    handled.map_or_else(Reply::from, |state| done(time.steps(), state))
+                }
+                Command::Watch(_, told) => match tell(&mut watches, &told) {
+                    Ok(()) => {
+                        outer.watch(told.corrects());
+                        done(time.steps(), outer.mode())
+                    }
+                    Err(refusal) => refusal.into(),
+                },
+                _ => return Err(HostGone),
             };
-            stack = HighWater::paint();
-            let handled = outer.handle(event);
-            event_stack = stack.bytes().max(event_stack);
-            let reply = handled.map_or_else(Reply::from, |state| done(time.steps(), state));
             pc.reply(request, reply)?;
             stack = HighWater::paint();
         }
@@ -80,6 +93,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         };
         hash = step.record.hash(hash);
         pc.output(&output, step.record)?;
+        outer.be_judged(|blocks, orders| judge(watches.iter_mut(), blocks, orders));
     }
     pc.end(&SessionAccount {
         hash,
@@ -92,4 +106,13 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         event_stack_bytes: event_stack as u32,
         state_bytes: size_of::<OuterLoop<N>>() as u32,
     })
+}
+
+/// Takes in what the watch of the next actuator is told.
+#[inline(never)] // A watch is a few KiB, and is made on the stack.
+fn tell<const N: usize>(watches: &mut Vec<Watch, N>, told: &Instructions) -> Result<(), Refusal> {
+    let watch = Watch::new(told)?;
+    // One that no axis is for is not asked.
+    let _ = watches.push(watch);
+    Ok(())
 }

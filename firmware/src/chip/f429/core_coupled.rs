@@ -1,7 +1,7 @@
 //! The 64 KiB of memory at the processor itself, which no DMA reaches: the queues between interrupt and tasks that carry
 //! steps, and the rig watch. The start does not fill it, so each part is written before it is given away.
 
-use crate::station::{Answered, Blocks, Report, Watches};
+use crate::station::{AnswerQueue, Report, ShownQueue, Watches};
 use core::mem::MaybeUninit;
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -12,10 +12,10 @@ use heapless::spsc::Queue;
 pub struct CoreCoupled {
     /// Steps, from the interrupt to the task that sends them.
     pub reports: Queue<Report, 256>,
-    /// Blocks of steps, from the interrupt to the rig watch; a test waits for 8 of them at most.
-    pub blocks: Queue<Blocks, 16>,
+    /// Steps, from the interrupt to the rig watch.
+    pub shown: ShownQueue,
     /// Its answers.
-    pub answers: Queue<Answered, 16>,
+    pub answers: AnswerQueue,
     /// The rig watch of each actuator.
     pub watches: Watches,
 }
@@ -34,7 +34,7 @@ pub fn claim() -> Option<&'static mut CoreCoupled> {
     // SAFETY: nobody has come here before, and nobody will; every part is written, in its place, before it is read.
     unsafe {
         addr_of_mut!((*all).reports).write(Queue::new());
-        addr_of_mut!((*all).blocks).write(Queue::new());
+        addr_of_mut!((*all).shown).write(Queue::new());
         addr_of_mut!((*all).answers).write(Queue::new());
         addr_of_mut!((*all).watches).write(Vec::new());
         Some(&mut *all)

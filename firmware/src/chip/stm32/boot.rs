@@ -197,18 +197,18 @@ fn queues() -> (QueueEnds, TaskEnds) {
     // The start comes here once.
     let CoreCoupled {
         reports,
-        blocks,
+        shown,
         answers,
         watches,
     } = defmt::unwrap!(core_coupled::claim());
     let (reports_in, reports_out) = reports.split();
-    let (blocks_in, blocks_out) = blocks.split();
+    let (shown_in, shown_out) = shown.split();
     let (answers_in, answers_out) = answers.split();
     let interrupt = QueueEnds {
         orders: orders_out,
         outcomes: outcomes_in,
         reports: reports_in,
-        blocks: blocks_in,
+        shown: shown_in,
         answers: answers_out,
     };
     let tasks = TaskEnds {
@@ -218,7 +218,7 @@ fn queues() -> (QueueEnds, TaskEnds) {
         writable: POINTS.take().claim(),
         watch: WatchParts {
             watches,
-            blocks: blocks_out,
+            shown: shown_out,
             answers: answers_in,
         },
     };

@@ -47,7 +47,7 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     loop {
         reporter.heartbeats.beat(Heartbeat::Report);
         if reporter.service.borrow_mut().judge() {
-            defmt::info!("the rig watch says something else");
+            log_watch(&reporter.service.borrow());
         }
         let wire = if let Ok(answer) = reporter.answers.try_receive() {
             answer.encode(sequence)
@@ -70,6 +70,23 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
                 defmt::debug!("serial port: a frame was not sent");
             }
         }
+    }
+}
+
+/// State, names and values of the rig watch.
+fn log_watch(service: &Service) {
+    defmt::info!("rig watch: {=str}", service.watch_state().name());
+    for (actuator, found) in service.findings() {
+        let cause = found.cause;
+        defmt::info!(
+            "rig watch, actuator {=usize}: {=str} ({=str}), {=f32} {=str}, standard deviation {=f32}",
+            actuator,
+            cause.name(),
+            cause.side().name(),
+            found.value,
+            cause.unit(),
+            found.sd
+        );
     }
 }
 
