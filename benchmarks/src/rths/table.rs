@@ -25,7 +25,7 @@ const SUMMARY_HEAD: [&str; 7] = ["controller", "J2", "J2*", "J4", "J4*", "J4 wor
 pub const SUMMARY_LEGEND: &str = "Per cent, cases 1/2/3/4. J2: tracking error; J4: error of the specimen's floor \
     against the reference structure (standard deviations). As read, the noise of the sensor counts in; * is the \
     displacement as it was. Worst: of the perturbed plants, as read. Lost: J4 of 100 % or more, of all \
-    perturbed plants. Energy: error of what a yielding specimen has taken in the end";
+    perturbed plants; in a cell, a figure of 1000 % or more. Energy: error of what a yielding specimen has taken in the end";
 
 /// Head of what controllers do on specimens that yield.
 pub const YIELDING_HEAD: [&str; 7] = [
