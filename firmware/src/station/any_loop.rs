@@ -1,8 +1,8 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
 use super::rehearsal::rehearse;
-use super::watchers::{Answered, Shown};
-use outerloop_core::watch::{AxisOrders, Orders};
+use super::watchers::{Answered, Shown, hand_over};
+use heapless::spsc::{Consumer, Producer};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
@@ -104,32 +104,14 @@ impl AnyLoop {
         each_loop!(self, outer => outer.watch(corrects));
     }
 
-    /// What the rig watch is to see of the last control step.
+    /// Hands the last control step over to the rig watch, and takes what it asks for.
     #[inline]
-    pub fn shown(&mut self) -> Option<Shown> {
-        each_loop!(self, outer => {
-            let (number, seen) = outer.shown()?;
-            let of = core::array::from_fn(|j| seen.get(j).copied().unwrap_or_default());
-            Some(Shown { number, of })
-        })
-    }
-
-    /// What the rig watch asks for.
-    #[inline]
-    pub fn order(&mut self, answered: &Answered) {
-        let Answered { number, orders } = answered;
-        each_loop!(self, outer => match orders {
-            None => outer.order(*number, None),
-            Some(orders) => {
-                let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
-                let own = Orders {
-                    axes: core::array::from_fn(axis),
-                    state: orders.state,
-                    alarm: orders.alarm,
-                };
-                outer.order(*number, Some(&own));
-            }
-        });
+    pub fn hand_over(
+        &mut self,
+        shown: &mut Producer<'_, Shown>,
+        answers: &mut Consumer<'_, Answered>,
+    ) {
+        each_loop!(self, outer => hand_over(outer, shown, answers));
     }
 
     /// Where the test stands.

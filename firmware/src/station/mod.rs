@@ -39,4 +39,4 @@ pub use ring::{Flash, Ring};
 pub use service::{Board, CommandResult, Parts, Service};
 pub use settings::{CALIBRATION_BYTES, FlashRecord, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};
-pub use watchers::{AnswerQueue, ShownQueue, WatchParts, Watches};
+pub use watchers::{AnswerQueue, ShownQueue, WatchParts, Watchers, Watches, hand_over};

@@ -230,7 +230,9 @@ impl<const A: usize> Station<A> {
         }
         self.tick = self.tick.wrapping_add(1);
         self.heartbeats.advance(self.tick);
-        self.pass_to_watch();
+        self.setup
+            .outer
+            .hand_over(&mut self.shown, &mut self.answers);
         self.take_order(hardware);
         match starved {
             None => hardware.feed(),
@@ -316,19 +318,6 @@ impl<const A: usize> Station<A> {
             let _ = self.setup.outer.handle(Event::Finish);
         }
         next_m
-    }
-
-    /// The step goes to the rig watch, and what the watch asks for comes back.
-    fn pass_to_watch(&mut self) {
-        let outer = &mut self.setup.outer;
-        if let Some(shown) = outer.shown() {
-            // One that finds no room ends the watch: its block is not answered, and the records say so.
-            let _ = self.shown.enqueue(shown);
-        }
-        if let Some(answered) = self.answers.peek() {
-            outer.order(answered);
-            self.answers.dequeue();
-        }
     }
 
     /// Takes one order.

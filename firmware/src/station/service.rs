@@ -102,7 +102,7 @@ pub struct Service {
     request: u16,
     pending: Pending,
     answered: Option<NumberedReply>,
-    watchers: Watchers,
+    watchers: Watchers<'static>,
 }
 
 /// What the service is made of.
@@ -118,7 +118,7 @@ pub struct Parts {
     /// The calibration of each actuator, if somebody has made one.
     pub calibrations: PerActuator<Option<Calibration>>,
     /// The rig watch.
-    pub watch: WatchParts,
+    pub watch: WatchParts<'static>,
 }
 
 impl Service {

@@ -1,8 +1,8 @@
 //! The rig watch beside the loop: the interrupt gives steps away and takes orders, the tasks judge in between.
 //!
 //! ```text
-//!  control interrupt   AnyLoop: each step ─► Shown ─►┐                        ┌─► Answered ─► in force 8 blocks later
-//!  tasks                                             └─► Taps ─► Watchers::judge ┘
+//!  control interrupt   hand_over: each step ─► Shown ─►┐                        ┌─► Answered ─► in force 8 blocks later
+//!  tasks                                               └─► Taps ─► Watchers::judge ┘
 //! ```
 //!
 //! An answer that is late or lost ends the watch of the test, and the records say so (`core/src/watch/post.rs`).
@@ -12,10 +12,10 @@ use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
 use link::status::WatchStatus;
-use outerloop_core::Refusal;
 use outerloop_core::watch::{
     AxisOrders, Block, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
+use outerloop_core::{OuterLoop, Refusal};
 
 /// A control step, on its way to the tasks.
 #[derive(Clone, Copy, Debug)]
@@ -44,19 +44,57 @@ pub type AnswerQueue = Queue<Answered, 16>;
 /// The watches of a test, one for each actuator.
 pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 
+/// What is left to the interrupt when the command is out: the step goes to the tasks, and what they ask for comes back.
+#[inline(never)] // It delays no command, and what it takes is counted by itself.
+pub fn hand_over<const N: usize>(
+    outer: &mut OuterLoop<N>,
+    shown: &mut Producer<'_, Shown>,
+    answers: &mut Consumer<'_, Answered>,
+) {
+    if let Some((number, seen)) = outer.shown() {
+        let of = core::array::from_fn(|j| seen.get(j).copied().unwrap_or_default());
+        // One that finds no room ends the watch: its block is not answered, and the records say so.
+        let _ = shown.enqueue(Shown { number, of });
+    }
+    if let Some(Answered { number, orders }) = answers.peek() {
+        match orders {
+            None => outer.order(*number, None),
+            Some(orders) => other_orders(outer, *number, orders),
+        }
+        let _ = answers.dequeue();
+    }
+}
+
+/// Other orders than before, of those actuators that the test has.
+#[cold]
+#[inline(never)] // In place it would lengthen what every control period takes.
+fn other_orders<const N: usize>(
+    outer: &mut OuterLoop<N>,
+    number: u32,
+    orders: &Orders<MAX_ACTUATORS>,
+) {
+    let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
+    let own = Orders {
+        axes: core::array::from_fn(axis),
+        state: orders.state,
+        alarm: orders.alarm,
+    };
+    outer.order(number, Some(&own));
+}
+
 /// The tasks' ends.
-pub struct WatchParts {
+pub struct WatchParts<'a> {
     /// Where the watches are: too large for a stack.
-    pub watches: &'static mut Watches,
+    pub watches: &'a mut Watches,
     /// Steps from the interrupt.
-    pub shown: Consumer<'static, Shown>,
+    pub shown: Consumer<'a, Shown>,
     /// Answers to it.
-    pub answers: Producer<'static, Answered>,
+    pub answers: Producer<'a, Answered>,
 }
 
 /// Judges the running test.
-pub(super) struct Watchers {
-    own: WatchParts,
+pub struct Watchers<'a> {
+    own: WatchParts<'a>,
     taps: Taps<MAX_ACTUATORS>,
     corrects: bool,
     state: State,
@@ -67,8 +105,9 @@ pub(super) struct Watchers {
     spent: u32,
 }
 
-impl Watchers {
-    pub(super) fn new(own: WatchParts) -> Self {
+impl<'a> Watchers<'a> {
+    /// Nobody watches yet.
+    pub fn new(own: WatchParts<'a>) -> Self {
         Self {
             own,
             taps: Taps::of(1),
@@ -99,8 +138,11 @@ impl Watchers {
     }
 
     /// Takes in what the next actuator is; a block has so many control steps.
+    ///
+    /// # Errors
+    /// What is declared of it cannot be.
     #[inline(never)] // A watch is a few KiB, and the tasks' frames stand below it.
-    pub(super) fn tell(&mut self, told: &Instructions, steps: u16) -> Result<(), Refusal> {
+    pub fn tell(&mut self, told: &Instructions, steps: u16) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
         self.taps = Taps::of(steps);
         self.corrects |= told.corrects();
@@ -110,7 +152,7 @@ impl Watchers {
     }
 
     /// Judges the steps that have come, each a bounded piece of work; true if state or set have changed. `now` times it.
-    pub(super) fn judge(&mut self, now: fn() -> u32) -> bool {
+    pub fn judge(&mut self, now: fn() -> u32) -> bool {
         let mut changed = false;
         let actuators = self.own.watches.len();
         // Looked at where it is: what is taken out of the queue is copied.

@@ -51,27 +51,40 @@ pub struct Course {
     pub spent: Vec<Spent>,
 }
 
-/// The code of an image, and what of it belongs to a step.
+/// The code of an image, and what of it belongs to the part of a control period that is looked at.
 pub struct Code {
     begin: u32,
     bytes: Vec<u8>,
-    /// The step of a loop of each size.
+    /// The function that this part is, for a loop of each size.
     steps: Vec<Range<u32>>,
     /// The functions that they can come to.
     ranges: Vec<Range<u32>>,
 }
 
 impl Code {
-    /// Of an ELF image.
+    /// Of an ELF image: the control step, from the sample to the command.
     ///
     /// # Errors
     /// It is none, or has no loop.
     pub fn new(image: &[u8]) -> std::result::Result<Self, String> {
+        Self::of(image, "OuterLoop", "4step17")
+    }
+
+    /// Of an ELF image: what the rig watch has in a control period behind the command.
+    ///
+    /// # Errors
+    /// As [`Code::new`].
+    pub fn behind_command(image: &[u8]) -> std::result::Result<Self, String> {
+        Self::of(image, "watchers", "9hand_over17")
+    }
+
+    /// The functions with both in their names.
+    fn of(image: &[u8], place: &str, name: &str) -> std::result::Result<Self, String> {
         let graph = CallGraph::new(image)?;
-        let names = graph.names("OuterLoop").filter(|n| n.contains("4step17"));
+        let names = graph.names(place).filter(|n| n.contains(name));
         let names: BTreeSet<_> = names.map(str::to_owned).collect();
         if names.is_empty() {
-            return Err("there is no step of a loop".to_owned());
+            return Err(format!("there is no {name} of {place}"));
         }
         let mut reach = BTreeSet::new();
         for name in &names {
@@ -101,7 +114,7 @@ impl Code {
         }
     }
 
-    /// Reads a trace to its end; one entry for each step.
+    /// Reads a trace to its end; one entry for each control period.
     ///
     /// # Errors
     /// The trace cannot be read.

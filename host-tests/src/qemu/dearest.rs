@@ -3,7 +3,7 @@
 use super::bench::{rig, told};
 use super::cycles::{Code, Course};
 use super::machine::Test;
-use super::traced::traced;
+use super::traced::{every, traced};
 use crate::{Scenario, Shaking, table1, whole_pipeline};
 use outerloop_core::watch::Actions;
 use outerloop_core::{Config, Event, Fault, Method, Mode};
@@ -12,6 +12,9 @@ use std::path::Path;
 
 /// Control periods from power-up on: idle, armed, then strong motion.
 const PERIODS: u32 = 90;
+
+/// What the watch is told: a first frequency, rad/s, a peak, m, and the actuator's lateness, s.
+const ABOUT: (f64, f64, f64) = (12.0, 0.05, 0.004);
 
 /// Five metres a second squared from the first point on, so that predictors learn and dampings act after some steps.
 fn shaking() -> Shaking {
@@ -73,6 +76,55 @@ pub fn dearest_watched<const N: usize>(
     of::<N>(image, code, &scenario::<N>(method, N as u8), watched)
 }
 
+/// Control periods of a test in which a sensor stands from [`STANDS_FROM`] on: the watch learns the noise in the first second, and
+/// stops the test soon after.
+const PERIODS_OF_A_STOP: u32 = 4000;
+const STANDS_FROM: u32 = 3000;
+
+/// The dearest period of a test in which the watch asks for something else than before: it stops the test because a displacement
+/// stands.
+///
+/// # Errors
+/// As [`dearest`].
+///
+/// # Panics
+/// As [`dearest`], and where the watch does not stop the test.
+pub fn dearest_stop<const N: usize>(image: &Path, code: &Code) -> Result<Course> {
+    let mut scenario = scenario::<N>(Method::Paper, N as u8);
+    // The force goes on while the displacement stands: a specimen that yields might not.
+    scenario.specimen.clear();
+    let limits = &mut scenario.config.limits;
+    (limits.stale_steps, limits.tracking_m) = (Some(u16::MAX), Some(1.0));
+    let actions = Actions {
+        trip: true,
+        ..Actions::default()
+    };
+    let watched = told(&scenario.config, ABOUT, actions);
+    let shaking = shaking();
+    let test = Test {
+        watched: &watched,
+        ..Test::new(&scenario.config, &shaking)
+    };
+    let (mut sound, mut period, mut stands_m) = (rig(&scenario, 1), 0_u32, [0.0; N]);
+    let rig = |command_m: &[f32; N]| {
+        let mut sample = sound(command_m);
+        period += 1;
+        if period == STANDS_FROM {
+            stands_m = sample.displacement_m;
+        } else if period > STANDS_FROM {
+            // With its noise: with what stands to the bit nothing is integrated.
+            let noise_m = 2e-5 * ((period % 3) as f32 - 1.0);
+            sample.displacement_m = stands_m.map(|m| m + noise_m);
+        }
+        sample
+    };
+    let (courses, records) = every::<N>(image, code, &test, PERIODS_OF_A_STOP, &script, rig)?;
+    let fault = records.last().map(|words| words[2] >> 8 & 0xff);
+    assert_eq!(fault, Some(u32::from(Fault::Watch.code())), "the fault");
+    let dearest = courses.into_iter().max_by_key(|c| c.cost.cycles);
+    dearest.ok_or(Error::other("no period"))
+}
+
 fn of<const N: usize>(
     image: &Path,
     code: &Code,
@@ -80,8 +132,7 @@ fn of<const N: usize>(
     watched: Option<Actions>,
 ) -> Result<Course> {
     let shaking = shaking();
-    let about = (12.0, 0.05, 0.004);
-    let watched = watched.map(|actions| told(&scenario.config, about, actions));
+    let watched = watched.map(|actions| told(&scenario.config, ABOUT, actions));
     let test = Test {
         watched: watched.as_deref().unwrap_or_default(),
         ..Test::new(&scenario.config, &shaking)

@@ -1,6 +1,6 @@
 //! The steps of a test, instruction by instruction.
 
-use super::bench::{Script, drive, solved};
+use super::bench::{Records, Script, drive, solved};
 use super::cycles::{Code, Course};
 use super::machine::{Clock, Machine, Test};
 use outerloop_core::Sample;
@@ -10,10 +10,10 @@ use std::path::Path;
 /// Runs `ticks` control periods with the image in QEMU and gives the steps in which an integration step was solved.
 ///
 /// # Errors
-/// The test is refused, or the emulator or the image in it has gone.
+/// As [`every`].
 ///
 /// # Panics
-/// Where the trace has another number of steps than the test has control periods.
+/// As [`every`].
 pub fn traced<const N: usize>(
     image: &Path,
     code: &Code,
@@ -22,6 +22,27 @@ pub fn traced<const N: usize>(
     script: Script<'_>,
     rig: impl FnMut(&[f32; N]) -> Sample<N>,
 ) -> Result<Vec<Course>> {
+    let (courses, records) = every(image, code, test, ticks, script, rig)?;
+    let courses = courses.into_iter().zip(&records);
+    let courses = courses.filter(|(_, words)| solved(words));
+    Ok(courses.map(|(course, _)| course).collect())
+}
+
+/// Runs `ticks` control periods with the image in QEMU and gives each of them with its record.
+///
+/// # Errors
+/// The test is refused, or the emulator or the image in it has gone.
+///
+/// # Panics
+/// Where the trace has another number of steps than the test has control periods.
+pub fn every<const N: usize>(
+    image: &Path,
+    code: &Code,
+    test: &Test<'_>,
+    ticks: u32,
+    script: Script<'_>,
+    rig: impl FnMut(&[f32; N]) -> Sample<N>,
+) -> Result<(Vec<Course>, Records)> {
     let filter = code.filter();
     let mut machine = Machine::<N>::start_filtered(image, Clock::Tracing, Some(&filter))?;
     let trace = machine.trace().ok_or(Error::other("there is no trace"))?;
@@ -37,7 +58,5 @@ pub fn traced<const N: usize>(
         Ok::<_, Error>((courses, records))
     })?;
     assert_eq!(courses.len(), records.len(), "a step each period");
-    let courses = courses.into_iter().zip(&records);
-    let courses = courses.filter(|(_, words)| solved(words));
-    Ok(courses.map(|(course, _)| course).collect())
+    Ok((courses, records))
 }

@@ -3,13 +3,13 @@
 use super::{Begin, Exchange, HostGone, SysTick, exit};
 use crate::chip::stack::HighWater;
 use crate::session::{PeriodReply, SessionAccount};
+use crate::station::{AnswerQueue, ShownQueue, WatchParts, Watchers, Watches, hand_over};
 use crate::step_time::StepTime;
 use cortex_m::Peripherals;
-use heapless::Vec;
 use link::Command;
 use link::reply::{RefusedParameter, Reply};
-use outerloop_core::watch::{Instructions, Watch, judge};
-use outerloop_core::{Design, GroundMotion, OuterLoop, Record, Refusal};
+use outerloop_core::watch::steps_in_block;
+use outerloop_core::{Design, GroundMotion, OuterLoop, Record};
 
 /// The longest ground motion: what the emulated machine's memory leaves room for.
 pub const MAX_POINTS: usize = 14_000;
@@ -51,7 +51,16 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         return pc.reply(begin.request, Reply::Refused(refused));
     };
     let mut outer = OuterLoop::new(design);
-    let mut watches = Vec::<Watch, N>::new();
+    let (mut watches, mut steps, mut answers) =
+        (Watches::new(), ShownQueue::new(), AnswerQueue::new());
+    let (mut to_watch, shown) = steps.split();
+    let (answers, mut from_watch) = answers.split();
+    let mut watchers = Watchers::new(WatchParts {
+        watches: &mut watches,
+        shown,
+        answers,
+    });
+    let in_block = steps_in_block(begin.config.timing.rate_hz);
     let mut time = StepTime::new(u32::MAX);
     let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
@@ -72,7 +81,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
                     event_stack = stack.bytes().max(event_stack);
                     handled.map_or_else(Reply::from, |state| done(time.steps(), state))
                 }
-                Command::Watch(_, told) => match tell(&mut watches, &told) {
+                Command::Watch(_, told) => match watchers.tell(&told, in_block) {
                     Ok(()) => {
                         outer.watch(told.corrects());
                         done(time.steps(), outer.mode())
@@ -93,7 +102,9 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         };
         hash = step.record.hash(hash);
         pc.output(&output, step.record)?;
-        outer.be_judged(|blocks, orders| judge(watches.iter_mut(), blocks, orders));
+        // As on a board: the interrupt's part behind the command, then the tasks'.
+        hand_over(&mut outer, &mut to_watch, &mut from_watch);
+        watchers.judge(|| 0);
     }
     pc.end(&SessionAccount {
         hash,
@@ -106,13 +117,4 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         event_stack_bytes: event_stack as u32,
         state_bytes: size_of::<OuterLoop<N>>() as u32,
     })
-}
-
-/// Takes in what the watch of the next actuator is told.
-#[inline(never)] // A watch is a few KiB, and is made on the stack.
-fn tell<const N: usize>(watches: &mut Vec<Watch, N>, told: &Instructions) -> Result<(), Refusal> {
-    let watch = Watch::new(told)?;
-    // One that no axis is for is not asked.
-    let _ = watches.push(watch);
-    Ok(())
 }

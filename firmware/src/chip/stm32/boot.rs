@@ -183,7 +183,7 @@ struct TaskEnds {
     outcomes: Consumer<'static, Outcome>,
     reports: Consumer<'static, Report>,
     writable: Writable,
-    watch: WatchParts,
+    watch: WatchParts<'static>,
 }
 
 /// The queues between the control interrupt and the tasks. To be called once.
