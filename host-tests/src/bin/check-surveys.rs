@@ -70,6 +70,7 @@ struct WatchAnswer<'a> {
     targets: &'a [watch::Target],
     sound: &'a [watch::SoundTrial],
     faulty: &'a [watch::FaultTrial],
+    of_any_kind: &'a [watch::FaultTrial],
 }
 
 fn main() -> ExitCode {
@@ -168,11 +169,15 @@ fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
 
 /// The rig watch over many tests; true where every target is reached.
 fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, Failure> {
-    let progress = ProgressBar::new(sound + faulty);
+    // Half as many again have an effect of any kind, from the start or in mid-test.
+    let others = faulty / 2;
+    let progress = ProgressBar::new(sound + faulty + others);
     let sound = watch::sound(sound, arguments.seed, || progress.inc(1))?;
     let faulty = watch::faulty(faulty, arguments.seed, || progress.inc(1))?;
+    let of_any_kind = watch::of_any_kind(others, arguments.seed, || progress.inc(1))?;
     progress.finish_and_clear();
-    let targets = watch::targets(&sound, &faulty);
+    let mut targets = watch::targets(&sound, &faulty);
+    targets.extend(watch::targets_of_any(&of_any_kind));
     let reached = targets.iter().all(|t| t.missed.is_empty());
     if arguments.json {
         print_json(&WatchAnswer {
@@ -180,6 +185,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
             targets: &targets,
             sound: &sound,
             faulty: &faulty,
+            of_any_kind: &of_any_kind,
         });
         return Ok(reached);
     }
@@ -188,8 +194,22 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
         t.add_row([r.target, r.aim, &r.found, &r.missed]);
     }
     println!("{t}\n");
+    let from_mid_test = watch::by_effect(&watch::Kind::ALL, &faulty);
+    print_effects("effect from mid-test", from_mid_test);
+    let others = watch::by_effect(&watch::Kind::OTHERS, &of_any_kind);
+    print_effects("from the start or in mid-test", others);
+    println!("false names:");
+    for (seed, trial) in (arguments.seed..).zip(&sound).filter(|(_, t)| t.counts) {
+        if let Some(named) = &trial.named {
+            println!("  seed {seed}, {}: {named}", trial.kind);
+        }
+    }
+    Ok(reached)
+}
+
+fn print_effects(head: &str, rows: Vec<[String; 9]>) {
     let mut t = table([
-        "effect from mid-test",
+        head,
         "tests",
         "named",
         "first right",
@@ -199,16 +219,10 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
         "with",
         "corrected",
     ]);
-    for row in watch::by_effect(&faulty) {
+    for row in rows {
         t.add_row(row);
     }
-    println!("{t}\n\nfalse names:");
-    for (seed, trial) in (arguments.seed..).zip(&sound).filter(|(_, t)| t.counts) {
-        if let Some(named) = &trial.named {
-            println!("  seed {seed}, {}: {named}", trial.kind);
-        }
-    }
-    Ok(reached)
+    println!("{t}\n");
 }
 
 /// Test file and ground motion of a seed.

@@ -84,7 +84,12 @@ fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     assert!(faulty.iter().all(|t| !t.unstable));
     let targets = watch::targets(&sound, &faulty);
     assert_eq!(targets[0].found, format!("{} of {all}", named.len()));
-    assert_eq!(watch::by_effect(&faulty).len(), watch::Kind::ALL.len());
+    let rows = watch::by_effect(&watch::Kind::ALL, &faulty);
+    assert_eq!(rows.len(), watch::Kind::ALL.len());
+    let any = watch::of_any_kind(60, 7000, || ()).expect("tests that can run");
+    let drawn = |kind: &watch::Kind| any.iter().any(|t| t.kind == *kind);
+    assert!(watch::Kind::OTHERS.iter().all(drawn));
+    assert_eq!(watch::targets_of_any(&any).len(), 3);
 }
 
 #[test]

@@ -37,6 +37,24 @@ pub enum Kind {
     Mass,
     /// The specimen breaks.
     Break,
+    /// The actuator stands beside its command.
+    ActuatorOffset,
+    /// Friction holds it back.
+    ActuatorFriction,
+    /// Its valve overlaps.
+    Overlap,
+    /// The zero of the displacement transducer wanders.
+    DisplacementDrift,
+    /// The zero of the load cell moves.
+    ForceOffset,
+    /// It wanders.
+    ForceDrift,
+    /// A sensor is noisier.
+    Noise,
+    /// The mains are on a sensor.
+    Hum,
+    /// A bearing beside the specimen rubs.
+    BearingFriction,
 }
 
 impl Kind {
@@ -57,6 +75,19 @@ impl Kind {
         Self::Break,
     ];
 
+    /// Those that are drawn beside the others, for tests of their own.
+    pub const OTHERS: [Self; 9] = [
+        Self::ActuatorOffset,
+        Self::ActuatorFriction,
+        Self::Overlap,
+        Self::DisplacementDrift,
+        Self::ForceOffset,
+        Self::ForceDrift,
+        Self::Noise,
+        Self::Hum,
+        Self::BearingFriction,
+    ];
+
     /// In tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -73,6 +104,15 @@ impl Kind {
             Self::Play => "play",
             Self::Mass => "mass on the load cell",
             Self::Break => "specimen breaks",
+            Self::ActuatorOffset => "actuator offset",
+            Self::ActuatorFriction => "actuator friction",
+            Self::Overlap => "valve overlap",
+            Self::DisplacementDrift => "LVDT drift",
+            Self::ForceOffset => "load cell offset",
+            Self::ForceDrift => "load cell drift",
+            Self::Noise => "sensor noise",
+            Self::Hum => "mains hum",
+            Self::BearingFriction => "bearing friction",
         }
     }
 
@@ -85,7 +125,7 @@ impl Kind {
     }
 }
 
-/// An effect that begins in mid-test.
+/// An effect that begins in mid-test, or is there from the start.
 pub(super) struct DrawnEffect {
     pub(super) kind: Kind,
     /// Its table.
@@ -100,7 +140,21 @@ impl DrawnEffect {
     pub(super) fn new(rig: &DrawnRig, draw: &mut Draw) -> Self {
         let from_s = draw.between(0.25, 0.5) * rig.seconds;
         let at = draw.between(-1.0, 13.0).max(0.0) as usize;
-        let kind = Kind::ALL[at.min(12)];
+        Self::of(Kind::ALL[at.min(12)], from_s, rig, draw)
+    }
+
+    /// Of every kind, those of [`Kind::OTHERS`] in two of three tests, from the start in every second.
+    pub(super) fn any(rig: &DrawnRig, draw: &mut Draw) -> Self {
+        let from_s = draw.between(-0.5, 0.5).max(0.0) * rig.seconds;
+        let at = draw.between(0.0, 13.0) as usize;
+        let kind = match draw.between(0.0, 3.0) {
+            x if x < 1.0 => Kind::ALL[at.min(12)],
+            _ => Kind::OTHERS[at % Kind::OTHERS.len()],
+        };
+        Self::of(kind, from_s, rig, draw)
+    }
+
+    fn of(kind: Kind, from_s: f64, rig: &DrawnRig, draw: &mut Draw) -> Self {
         let (body, right) = match kind {
             Kind::ActuatorLate | Kind::ActuatorGain | Kind::StrokeLimit | Kind::RateLimit => {
                 of_the_actuator(kind, rig, draw)
@@ -112,6 +166,15 @@ impl DrawnEffect {
             | Kind::ForceGain
             | Kind::ForceLate => of_a_sensor(kind, rig, draw),
             Kind::Play | Kind::Mass | Kind::Break => of_the_specimen(kind, rig, draw),
+            Kind::ActuatorOffset
+            | Kind::ActuatorFriction
+            | Kind::Overlap
+            | Kind::DisplacementDrift
+            | Kind::ForceOffset
+            | Kind::ForceDrift
+            | Kind::Noise
+            | Kind::Hum
+            | Kind::BearingFriction => other(kind, rig, draw),
         };
         // Of two actuators it is the lower one's.
         let axis = if rig.storeys > 1 { "axis = 1\n" } else { "" };
@@ -223,5 +286,75 @@ fn of_the_specimen(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<
                 vec![("degradation", "specimen"), ("gain_error", "force")],
             )
         }
+    }
+}
+
+fn other(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<Name>) {
+    let (sign, share) = (draw.sign(), draw.between(0.01, 0.06));
+    let peak_n = rig.mass_kg * rig.omega * rig.omega * rig.peak_mm * 1e-3;
+    let (way_mm, force_n) = (share * rig.peak_mm, share * peak_n);
+    let (sensor, unit, least) = match sign > 0.0 {
+        true => ("force", "n", peak_n),
+        false => ("displacement", "mm", rig.peak_mm),
+    };
+    match kind {
+        Kind::ActuatorOffset => (
+            format!(
+                "name = 'offset'\nchannel = 'actuator'\noffset_mm = {}",
+                sign * way_mm
+            ),
+            vec![("offset", "actuator")],
+        ),
+        Kind::ActuatorFriction => (
+            format!("name = 'coulomb_friction'\nchannel = 'actuator'\nerror_mm = {way_mm}"),
+            vec![("coulomb_friction", "actuator")],
+        ),
+        // What an overlap takes of each turn is a smaller gain, too.
+        Kind::Overlap => (
+            format!(
+                "name = 'dead_band'\nchannel = 'actuator'\nwidth_mm = {}",
+                2.0 * way_mm
+            ),
+            vec![("coulomb_friction", "actuator"), ("gain_error", "actuator")],
+        ),
+        Kind::DisplacementDrift => (
+            format!(
+                "name = 'drift'\nsensor = 'displacement'\nrate_mm_per_s = {}",
+                sign * way_mm / (0.25 * rig.seconds)
+            ),
+            vec![("offset", "displacement")],
+        ),
+        Kind::ForceOffset => (
+            format!(
+                "name = 'offset'\nsensor = 'force'\noffset_n = {}",
+                sign * force_n
+            ),
+            vec![("offset", "force")],
+        ),
+        Kind::ForceDrift => (
+            format!(
+                "name = 'drift'\nsensor = 'force'\nrate_n_per_s = {}",
+                sign * force_n / (0.25 * rig.seconds)
+            ),
+            vec![("offset", "force")],
+        ),
+        Kind::Noise => (
+            format!(
+                "name = 'sensor_noise'\nsensor = '{sensor}'\nrms_{unit} = {}",
+                share * least
+            ),
+            vec![("sensor_noise", sensor)],
+        ),
+        Kind::Hum => (
+            format!(
+                "name = 'mains_hum'\nsensor = '{sensor}'\namplitude_{unit} = {}",
+                share * least
+            ),
+            vec![("mains_hum", sensor)],
+        ),
+        _ => (
+            format!("name = 'coulomb_friction'\nchannel = 'specimen'\nforce_n = {force_n}"),
+            vec![("coulomb_friction", "specimen")],
+        ),
     }
 }

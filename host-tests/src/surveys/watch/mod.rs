@@ -18,15 +18,16 @@ mod table;
 mod trial;
 
 pub use effect::Kind;
-pub use table::{Target, by_effect, targets};
+pub use table::{Target, by_effect, targets, targets_of_any};
 pub use trial::{FaultTrial, SoundTrial};
 
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
 use rayon::prelude::*;
 
-/// Seeds of tests in which something goes wrong are so far from those of sound ones.
+/// Seeds of tests in which something goes wrong are so far from those of sound ones, those with an effect of any kind twice as far.
 const FAULTS_FROM: u64 = 1_000_000;
+const ANY_FROM: u64 = 2 * FAULTS_FROM;
 /// Of so many tests with an effect, one has two at once, and one is run under `ats` as well.
 const TWO_IN: u64 = 10;
 const ADAPTIVE_IN: u64 = 4;
@@ -39,7 +40,11 @@ pub fn is_faulty(seed: u64) -> bool {
 /// Test file and ground motion of a seed, for whoever looks at one test; `faulty`: with its effect.
 pub fn drawn(seed: u64, faulty: bool) -> (String, GroundMotionFile) {
     let rig = rig::DrawnRig::new(seed);
-    let effect = faulty.then(|| effect::DrawnEffect::new(&rig, &mut draw::Draw::new(seed ^ 0xf0)));
+    let mut draw = draw::Draw::new(seed ^ 0xf0);
+    let effect = faulty.then(|| match seed >= ANY_FROM {
+        true => effect::DrawnEffect::any(&rig, &mut draw),
+        false => effect::DrawnEffect::new(&rig, &mut draw),
+    });
     let effect = effect.map_or(String::new(), |e| e.text);
     (format!("{}{effect}", rig.text), rig.shaking)
 }
@@ -77,6 +82,25 @@ pub fn faulty(
         .map(|i| {
             let (two, adaptive) = (i % TWO_IN == 0, i % ADAPTIVE_IN == 1);
             let trial = FaultTrial::run(seed + FAULTS_FROM + i, two, adaptive);
+            one_done();
+            trial
+        })
+        .collect()
+}
+
+/// So many tests with an effect of any kind, from the start or in mid-test.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn of_any_kind(
+    tests: u64,
+    seed: u64,
+    one_done: impl Fn() + Sync,
+) -> Result<Vec<FaultTrial>, Failure> {
+    (0..tests)
+        .into_par_iter()
+        .map(|i| {
+            let trial = FaultTrial::of_any_kind(seed + ANY_FROM + i);
             one_done();
             trial
         })

@@ -75,6 +75,35 @@ pub fn targets(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     rows
 }
 
+/// The rows of tests with an effect of any kind, from the start or in mid-test.
+pub fn targets_of_any(all: &[FaultTrial]) -> Vec<Target> {
+    let that = |has: &dyn Fn(&FaultTrial) -> bool| -> Vec<&FaultTrial> {
+        all.iter().filter(|t| has(t)).collect()
+    };
+    let clearly = that(&|t| t.adds(CLEARLY));
+    let named = that(&|t| t.adds(MATTERS) && t.named.is_some());
+    vec![
+        share(
+            "any kind, from the start or in mid-test: named, of those that add more than 5 %",
+            "85 %",
+            Share::among(&clearly, |t| t.named.is_some()),
+            85.0,
+        ),
+        share(
+            "any kind: first name or set right",
+            "90 %",
+            Share::among(&named, |t| t.right[0]),
+            90.0,
+        ),
+        share(
+            "any kind: after it settled",
+            "97 %",
+            Share::among(&named, |t| t.right[1]),
+            97.0,
+        ),
+    ]
+}
+
 fn row(target: &'static str, aim: &'static str, found: String, missed: String) -> Target {
     Target {
         target,
@@ -315,9 +344,9 @@ fn beside(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     ]
 }
 
-/// A row for each effect: tests, those that matter, named, first right, settled right, one name, eps without, with and corrected.
-pub fn by_effect(faulty: &[FaultTrial]) -> Vec<[String; 9]> {
-    Kind::ALL
+/// A row for each effect of `kinds`: tests, those that matter, named, first right, settled right, one name, eps without, with and corrected.
+pub fn by_effect(kinds: &[Kind], faulty: &[FaultTrial]) -> Vec<[String; 9]> {
+    kinds
         .iter()
         .map(|&kind| {
             let own = faulty

@@ -78,9 +78,10 @@ impl FaultTrial {
         self.eps[1] - self.eps[0]
     }
 
-    /// A frozen sensor matters whatever it has added until the test is stopped.
+    /// A frozen sensor matters whatever it has added until the test is stopped; noise and hum hardly add anything.
     pub fn adds(&self, more: f64) -> bool {
-        self.counts && (self.kind == Kind::Frozen || self.added() > more)
+        let always = matches!(self.kind, Kind::Frozen | Kind::Noise | Kind::Hum);
+        self.counts && (always || self.added() > more)
     }
 }
 
@@ -169,12 +170,31 @@ impl FaultTrial {
     /// # Errors
     /// A test that cannot run.
     pub fn run(seed: u64, two: bool, adaptive: bool) -> Result<Self, Failure> {
-        let mut planned = Planned::new(seed);
+        let planned = Planned::new(seed);
         let mut draw = Draw::new(seed ^ 0xf0);
         let effect = DrawnEffect::new(&planned.rig, &mut draw);
         let beside = two.then(|| DrawnEffect::new(&planned.rig, &mut draw));
         let beside = beside.filter(|b| b.kind != effect.kind);
-        let text = match &beside {
+        Self::with(planned, &effect, beside.as_ref(), adaptive)
+    }
+
+    /// Of a seed: an effect of any kind, from the start or in mid-test.
+    ///
+    /// # Errors
+    /// A test that cannot run.
+    pub fn of_any_kind(seed: u64) -> Result<Self, Failure> {
+        let planned = Planned::new(seed);
+        let effect = DrawnEffect::any(&planned.rig, &mut Draw::new(seed ^ 0xf0));
+        Self::with(planned, &effect, None, false)
+    }
+
+    fn with(
+        mut planned: Planned,
+        effect: &DrawnEffect,
+        beside: Option<&DrawnEffect>,
+        adaptive: bool,
+    ) -> Result<Self, Failure> {
+        let text = match beside {
             None => effect.text.clone(),
             Some(second) => format!("{}{}", effect.text, second.text),
         };
@@ -191,11 +211,11 @@ impl FaultTrial {
         });
         let adaptive = adaptive.transpose()?;
         let rig = &planned.rig;
-        let right: Vec<Name> = std::iter::once(&effect)
-            .chain(&beside)
+        let right: Vec<Name> = std::iter::once(effect)
+            .chain(beside)
             .flat_map(|e| e.right.iter().copied())
             .collect();
-        let from_s = beside.iter().fold(effect.from_s, |t, b| t.min(b.from_s));
+        let from_s = beside.map_or(effect.from_s, |b| effect.from_s.min(b.from_s));
         let holds = |e: &WatchEvent| e.set.iter().any(|c| right.contains(&(c.name, c.side)));
         let watch = faulty.watch.as_ref();
         let all = watch.map_or(&[][..], |w| &w.events);
