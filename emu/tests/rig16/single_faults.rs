@@ -6,7 +6,7 @@
 //! PERMIT's relay welded shut while the command moves (the valve's own power).
 
 use crate::desk::{Bench, Desk, config};
-use emu::{Contact, InjectedFault, Log, PlannedFault};
+use emu::{Contact, InjectedFault, Log, LoggedEvent, PlannedFault};
 use link::Command;
 use link::reply::Reply;
 use outerloop_core::{Event, Mode};
@@ -97,6 +97,13 @@ fn permitted(log: &Log) -> &[f64] {
     &log.position_m[begin..begin + steps]
 }
 
+/// The fault came, before PERMIT fell for whatever reason.
+fn assert_came(fault: InjectedFault, log: &Log) {
+    let mut seen = log.seen.iter().map(|(_, seen)| seen);
+    let first = seen.find(|s| matches!(s, LoggedEvent::Fault | LoggedEvent::Permit(false)));
+    assert_eq!(first, Some(&LoggedEvent::Fault), "{fault:?} never came");
+}
+
 /// With a fault from the first sample on: how far the piston goes beyond the approach, m, or nothing where it is not armed.
 fn beyond_before_arming(fault: InjectedFault) -> f64 {
     // It stands some millimetres off: what is armed on a wrong reading jumps.
@@ -106,6 +113,7 @@ fn beyond_before_arming(fault: InjectedFault) -> f64 {
         desk.step();
     }
     let log = desk.log();
+    assert_came(fault, &log);
     let at_m = permitted(&log);
     let approach_m = config().timing.approach_m_per_s * 0.5e-3;
     let beyond = at_m
@@ -136,6 +144,9 @@ fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
             let began = log.permitted.iter().position(|p| *p);
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
             if ended || moved > 2000 {
+                if let Some(fault) = fault {
+                    assert_came(fault, &log);
+                }
                 let first = desk.steps.iter();
                 let mut running = first.filter(|(_, s)| s.mode() == Some(Mode::Running));
                 let tick = running.next().expect("it runs").0 as usize;
