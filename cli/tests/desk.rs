@@ -30,6 +30,14 @@ fn four_wires_close_the_loop_of_the_emulated_board_with_every_bit_proven() {
     assert_eq!((with("good"), with("not_done")), (13, NOT_SHOWN), "{text}");
     assert_eq!(rows.len(), 13 + NOT_SHOWN);
 
+    // Each method's cycles beside the model's.
+    let of_afp = |row: &&Value| row["what"].as_str().unwrap().starts_with("afp for");
+    let afp = rows.iter().find(of_afp).unwrap()["found"].as_str().unwrap();
+    assert!(
+        afp.contains("at worst") && afp.contains("; the model of the step alone: 1625"),
+        "{afp}"
+    );
+
     let whole = |row: &&Value| row["what"].as_str().unwrap().contains("closed loop");
     let whole = rows.iter().find(whole).unwrap()["found"].as_str().unwrap();
     let (before, _) = whole.split_once(" steps proven").unwrap();

@@ -82,10 +82,12 @@ pub struct Loopback<const A: usize = 1> {
 impl<const A: usize> Loopback<A> {
     /// A board that has just got power, with `rig` behind its converters.
     pub fn new(rig: Rig) -> Self {
-        let blocked = BlockedRig {
-            rig,
-            stands_at_m: [0.0; A],
-        };
+        Self::standing_at(rig, [0.0; A])
+    }
+
+    /// The same with a rig that was left there, m.
+    pub fn standing_at(rig: Rig, stands_at_m: [f64; A]) -> Self {
+        let blocked = BlockedRig { rig, stands_at_m };
         let mut board = Bench::new(blocked);
         // What the PC shows of itself, only its frames show.
         board.alive = [Heartbeat::Listen, Heartbeat::Report, Heartbeat::Report];

@@ -140,7 +140,7 @@ impl<P: Port> Connection<P> {
             self.receive()?;
         }
         if self.steps_since_heartbeat >= HEARTBEAT_STEPS
-            || self.port.now() - self.last_heartbeat >= HEARTBEAT_INTERVAL
+            || self.port.now().saturating_sub(self.last_heartbeat) >= HEARTBEAT_INTERVAL
         {
             self.last_heartbeat = self.port.now();
             self.steps_since_heartbeat = 0;
@@ -195,7 +195,7 @@ impl<P: Port> Connection<P> {
     fn receive(&mut self) -> Result<(), Failure> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
-        let silent = self.port.now() - self.heard;
+        let silent = self.port.now().saturating_sub(self.heard);
         if count > 0 {
             self.heard = self.port.now();
         } else if silent > self.timeouts.silence * ATTEMPTS {

@@ -33,6 +33,29 @@ const PERIOD_OFF_CYCLES: u32 = 100;
 /// Length of a method's test, s.
 const METHOD_S: f64 = 0.25;
 
+/// Cycles of each method's dearest step by the model of the chip (docs/methods-validation.md), one storey in the laboratory. It
+/// is the loop alone: what the board times has the sample before it and the command behind it in it, too.
+pub const MODEL_CYCLES: [(&str, u32); 18] = [
+    ("none", 1214),
+    ("eq14-unguarded", 1305),
+    ("eq14", 1362),
+    ("paper", 1473),
+    ("lagrange", 1723),
+    ("darby", 1910),
+    ("model-prediction", 1428),
+    ("phase-lead", 1416),
+    ("mcs", 1653),
+    ("feedforward-feedback", 1451),
+    ("afp", 1625),
+    ("inverse", 1409),
+    ("adaptive-inverse", 1589),
+    ("ats", 1885),
+    ("amb", 1900),
+    ("hydraulic", 2146),
+    ("ahmadizadeh", 2027),
+    ("tangent", 1908),
+];
+
 /// Saves, after which a sector of 128 KiB with slots of 1 KiB has been full once.
 const SAVES: u32 = 130;
 
@@ -257,11 +280,22 @@ pub fn each_method(
             summary => DeskRow::of(
                 what,
                 "keeps its deadline, no bit different",
-                summary.map(|s| judged(&s, false)),
+                summary.map(|s| beside_the_model(method, judged(&s, false))),
             ),
         });
     }
     (board, rows)
+}
+
+/// With the model's cycles of the method.
+fn beside_the_model(method: Method, (found, good): (String, bool)) -> (String, bool) {
+    let mut model = MODEL_CYCLES.iter();
+    let of_method = model.find(|(name, _)| *name == method.name());
+    let model = of_method.map_or("none".into(), |(_, cycles)| cycles.to_string());
+    (
+        format!("{found}; the model of the step alone: {model}"),
+        good,
+    )
 }
 
 /// The whole test.

@@ -6,7 +6,7 @@
 //! PERMIT's relay welded shut while the command moves (the valve's own power).
 
 use crate::desk::{Bench, Desk, config};
-use emu::{Contact, InjectedFault, Log, PlannedFault};
+use emu::{Contact, InjectedFault, Log, LoggedEvent, PlannedFault};
 use link::Command;
 use link::reply::Reply;
 use outerloop_core::{Event, Mode};
@@ -14,8 +14,18 @@ use outerloop_core::{Event, Mode};
 /// Beyond the plan, m.
 const BEYOND_M: f64 = 2e-3;
 
-/// Of a valve of this size, m/s.
-const VALVE_M_PER_S: f64 = 2.0;
+/// An actuator: how late it is, ms, and how fast its valve lets it go, m/s.
+#[derive(Clone, Copy)]
+struct Actuator {
+    delay_ms: f64,
+    valve_m_per_s: f64,
+}
+
+/// That of the table: a large valve behind the delay of Table 1.
+const USUAL: Actuator = Actuator {
+    delay_ms: 3.0,
+    valve_m_per_s: 2.0,
+};
 
 /// A fault as it stands in the table.
 use InjectedFault::*;
@@ -69,11 +79,21 @@ const FAULTS: [InjectedFault; 42] = [
 /// Control steps with PERMIT at which a fault comes: while the target rises, near its peak, and behind it.
 const PHASES: [u64; 3] = [1250, 1400, 1700];
 
-fn desk(fault: Option<InjectedFault>, after_steps: u64, sinks_m_per_s: f64) -> Desk {
+fn desk(
+    actuator: Actuator,
+    fault: Option<InjectedFault>,
+    after_steps: u64,
+    sinks_m_per_s: f64,
+) -> Desk {
+    let rig = format!(
+        "[actuator]\nkind = 'delay'\ndelay_ms = {:?}\n[specimen]\nkind = 'linear'\n[sensors]\n",
+        actuator.delay_ms
+    );
     let mut desk = Desk::with(Bench {
         plan: fault.map(|fault| PlannedFault { after_steps, fault }),
+        rig: Some(toml::from_str(&rig).expect("a rig")),
         sinks_m_per_s,
-        valve_m_per_s: VALVE_M_PER_S,
+        valve_m_per_s: actuator.valve_m_per_s,
         ..Bench::default()
     });
     desk.load();
@@ -97,15 +117,23 @@ fn permitted(log: &Log) -> &[f64] {
     &log.position_m[begin..begin + steps]
 }
 
+/// The fault came, before PERMIT fell for whatever reason.
+fn assert_came(fault: InjectedFault, log: &Log) {
+    let mut seen = log.seen.iter().map(|(_, seen)| seen);
+    let first = seen.find(|s| matches!(s, LoggedEvent::Fault | LoggedEvent::Permit(false)));
+    assert_eq!(first, Some(&LoggedEvent::Fault), "{fault:?} never came");
+}
+
 /// With a fault from the first sample on: how far the piston goes beyond the approach, m, or nothing where it is not armed.
 fn beyond_before_arming(fault: InjectedFault) -> f64 {
     // It stands some millimetres off: what is armed on a wrong reading jumps.
-    let mut desk = desk(Some(fault), 0, 0.02);
+    let mut desk = desk(USUAL, Some(fault), 0, 0.02);
     let armed = matches!(desk.ask(Command::Event(Event::Arm)), Reply::Done { .. });
     for _ in 0..300 {
         desk.step();
     }
     let log = desk.log();
+    assert_came(fault, &log);
     let at_m = permitted(&log);
     let approach_m = config().timing.approach_m_per_s * 0.5e-3;
     let beyond = at_m
@@ -121,8 +149,8 @@ fn beyond_before_arming(fault: InjectedFault) -> f64 {
 }
 
 /// A whole test, or what there is of it until PERMIT falls: where the piston was since the start, m.
-fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
-    let mut desk = desk(fault, after_steps, 0.0);
+fn run(actuator: Actuator, fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
+    let mut desk = desk(actuator, fault, after_steps, 0.0);
     desk.order(Command::Event(Event::Arm));
     while desk.step().mode() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}
@@ -136,6 +164,9 @@ fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
             let began = log.permitted.iter().position(|p| *p);
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
             if ended || moved > 2000 {
+                if let Some(fault) = fault {
+                    assert_came(fault, &log);
+                }
                 let first = desk.steps.iter();
                 let mut running = first.filter(|(_, s)| s.mode() == Some(Mode::Running));
                 let tick = running.next().expect("it runs").0 as usize;
@@ -151,8 +182,13 @@ fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
 }
 
 /// How far the piston goes beyond the plan in a running test until PERMIT falls, m.
-fn beyond_in_a_test(fault: InjectedFault, after_steps: u64, plan: &[f64]) -> f64 {
-    let went = run(Some(fault), after_steps);
+fn beyond_in_a_test(
+    actuator: Actuator,
+    fault: InjectedFault,
+    after_steps: u64,
+    plan: &[f64],
+) -> f64 {
+    let went = run(actuator, Some(fault), after_steps);
     let apart = went
         .iter()
         .zip(plan)
@@ -167,7 +203,7 @@ fn beyond_in_a_test(fault: InjectedFault, after_steps: u64, plan: &[f64]) -> f64
 }
 
 fn each(faults: &[InjectedFault], phases: &[u64]) {
-    let plan = run(None, 0);
+    let plan = run(USUAL, None, 0);
     let peak = plan.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
     println!("the plan goes {:.1} mm far", peak * 1e3);
     assert!(peak > 0.005);
@@ -178,7 +214,7 @@ fn each(faults: &[InjectedFault], phases: &[u64]) {
             wrong.push(format!("{fault:?} before arming: {:.2} mm", beyond * 1e3));
         }
         for after in phases {
-            let beyond = beyond_in_a_test(*fault, *after, &plan);
+            let beyond = beyond_in_a_test(USUAL, *fault, *after, &plan);
             if beyond > BEYOND_M {
                 wrong.push(format!("{fault:?} after {after}: {:.2} mm", beyond * 1e3));
             }
@@ -190,6 +226,21 @@ fn each(faults: &[InjectedFault], phases: &[u64]) {
 #[test]
 fn the_everyday_ones_move_nothing_beyond_the_plan() {
     each(&FAULTS[..4], &PHASES[1..2]);
+}
+
+/// What the delay of the table hides: until PERMIT falls an actuator that answers in the next period goes on at its valve's speed.
+#[test]
+fn a_wrong_output_moves_an_actuator_that_answers_at_once_2_mm_with_a_valve_of_1_m_per_s() {
+    for (valve_m_per_s, most_m) in [(0.5, BEYOND_M), (1.0, BEYOND_M), (2.0, 1.25 * BEYOND_M)] {
+        let actuator = Actuator {
+            delay_ms: 0.5,
+            valve_m_per_s,
+        };
+        let plan = run(actuator, None, 0);
+        let beyond_m = beyond_in_a_test(actuator, OutputDips, PHASES[1], &plan);
+        println!("{valve_m_per_s} m/s: {:.2} mm", beyond_m * 1e3);
+        assert!(beyond_m > 1e-3 && beyond_m <= most_m, "{valve_m_per_s} m/s");
+    }
 }
 
 #[test]

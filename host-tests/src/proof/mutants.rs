@@ -1,8 +1,9 @@
-//! Changes of the code that a test has to see: `host-tests/mutants.toml`. `scripts/mutants` makes them, one after the other,
-//! and runs the test that each names.
+//! Changes of the code that a test has to see: `host-tests/mutants.toml`, and of the images, `emu/mutants.toml`.
+//! `scripts/mutants` makes them, one after the other, and runs the test that each names.
 
 use super::claims::{Claim, Place};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::path::Path;
 
 /// One wrong line.
@@ -27,21 +28,89 @@ pub struct Mutant {
     pub test: String,
 }
 
-#[derive(Deserialize)]
+/// An image without a mend of the review's findings, `emu/mutants.toml`, and the scenario of the emulated rig that fails on it.
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct List {
-    mutant: Vec<Mutant>,
+pub struct WithoutMend {
+    /// The finding's letter.
+    pub finding: String,
+    /// What is missing.
+    pub name: String,
+    /// The image that is built without it.
+    pub image: String,
+    /// The file of tests.
+    pub target: String,
+    /// The test, with its module.
+    pub test: String,
+    /// What takes the mend out.
+    pub edits: Vec<Edit>,
 }
 
-/// The list.
+/// What stands in a file once, and what is put in its place.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Edit {
+    /// The file, from the top of the repository.
+    pub file: String,
+    /// What stands in it, once.
+    pub find: String,
+    /// What stands there instead.
+    pub replace: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct List<T> {
+    mutant: Vec<T>,
+}
+
+fn read<T: DeserializeOwned>(top: &Path, file: &str) -> Result<Vec<T>, String> {
+    let path = top.join(file);
+    let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let list: List<T> = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(list.mutant)
+}
+
+/// The list of wrong lines.
 ///
 /// # Errors
 /// Why it cannot be read, a sentence.
 pub fn all(top: &Path) -> Result<Vec<Mutant>, String> {
-    let path = top.join("host-tests/mutants.toml");
-    let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let list: List = toml::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(list.mutant)
+    read(top, "host-tests/mutants.toml")
+}
+
+/// The list of images without a mend.
+///
+/// # Errors
+/// Why it cannot be read, a sentence.
+pub fn without_mends(top: &Path) -> Result<Vec<WithoutMend>, String> {
+    read(top, "emu/mutants.toml")
+}
+
+/// Of these, what no longer fits the code or the scenarios, a sentence each.
+pub fn misfits_of_images(top: &Path, mutants: &[WithoutMend]) -> Vec<String> {
+    let read = |file: String| std::fs::read_to_string(top.join(file)).unwrap_or_default();
+    let mut wrong = Vec::new();
+    for mutant in mutants {
+        let WithoutMend {
+            name, target, test, ..
+        } = mutant;
+        for edit in &mutant.edits {
+            let times = read(edit.file.clone()).matches(&edit.find).count();
+            if times != 1 {
+                let file = &edit.file;
+                wrong.push(format!(
+                    "{name}: what is to be changed stands {times} times in {file}"
+                ));
+            }
+        }
+        let (module, last) = test.split_once("::").unwrap_or(("main", test));
+        let scenario = read(format!("emu/tests/{target}/{module}.rs"));
+        if !scenario.contains(&format!("#[test]\nfn {last}()")) {
+            wrong.push(format!("{name}: no test {test} of {target}"));
+        }
+    }
+    wrong
 }
 
 /// Mutants that no longer fit the code or the tests, a sentence each.

@@ -3,6 +3,7 @@
 use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::dearest::{dearest, dearest_stop, dearest_watched};
 use host_tests::qemu::image::image;
+use outerloop_cli::board::desk::MODEL_CYCLES;
 use outerloop_core::watch::{Actions, Corrections};
 use outerloop_core::{Method, Prediction};
 use std::path::Path;
@@ -12,6 +13,9 @@ const DEADLINE: u64 = 4200;
 
 /// What one storey and three storeys should take at most with any method.
 const AIM: [u64; 2] = [1500, 3400];
+
+/// Cycles by which a figure moves from build to build, where the linker puts the code, at most.
+const BUILDS: u64 = 60;
 
 /// Why some take more than was aimed at.
 const WHY: [&str; 2] = [
@@ -73,6 +77,17 @@ fn cycles_of_a_step_with_every_method() {
             cells(three),
             beyond(three.cycles, AIM[1])
         );
+        let told = MODEL_CYCLES.iter().find(|(name, _)| *name == method.name());
+        assert_eq!(told.is_some(), Method::ALL.contains(&method), "{method}");
+        if let Some((_, cycles)) = told {
+            // What the desk's page has beside the board's own.
+            let off = one.cycles.abs_diff(u64::from(*cycles));
+            assert!(
+                off <= BUILDS,
+                "{method}: {} cycles, {cycles} are told",
+                one.cycles
+            );
+        }
         let pair = usize::from(!Method::ALL.contains(&method));
         for (size, (cost, aim)) in [one, three].into_iter().zip(AIM).enumerate() {
             if cost.cycles > aim {

@@ -1,6 +1,7 @@
 //! What each compensation is good for, on its own ground; the better one has its targets in `tangent_force.rs`.
 
 use host_tests::{Scenario, Shaking, data, eps, table1};
+use outerloop_cli::board::desk::MODEL_CYCLES;
 use outerloop_core::Method;
 use outerloop_core::Prediction;
 
@@ -166,4 +167,26 @@ fn variable_damping_behind_a_predictor_takes_out_what_that_leaves() {
         );
         assert!(with < 0.2 * without);
     }
+}
+
+#[test]
+fn the_desk_tells_the_models_cycles_as_the_page_has_them() {
+    let page = std::fs::read_to_string(host_tests::proof::top().join("docs/methods-validation.md"));
+    let page = page.unwrap();
+    let (_, cost) = page.split_once("## Cost on a Cortex-M4F").unwrap();
+    let on_page = cost.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let name = cells.get(1)?.split(' ').next()?;
+        let method = Method::ALL.into_iter().find(|m| m.name() == name)?;
+        let [_, _, instructions, cycles, ..] = cells[..] else {
+            return None;
+        };
+        instructions.parse::<u32>().ok()?;
+        Some((method.name(), cycles.parse::<u32>().ok()?))
+    });
+    let mut on_page: Vec<(&str, u32)> = on_page.collect();
+    let mut told = MODEL_CYCLES.to_vec();
+    (on_page.sort_unstable(), told.sort_unstable());
+    assert_eq!(told, on_page);
+    assert_eq!(told.len(), Method::ALL.len());
 }

@@ -1,5 +1,6 @@
 //! The proof table: nothing that the firmware promises is without a test, and the page says so.
 
+use host_tests::proof::mutants::{misfits_of_images, without_mends};
 use host_tests::proof::page::Proofs;
 use host_tests::proof::top;
 
@@ -19,4 +20,31 @@ fn the_page_is_what_the_code_and_the_tests_say() {
         page == proofs().page(),
         "docs/proof-table.md is not what `cargo run -p host-tests --bin proof-table -- --markdown` prints"
     );
+}
+
+#[test]
+fn each_mend_of_the_review_can_be_taken_out_of_an_image_and_the_findings_say_which_scenario_sees_it()
+ {
+    let mutants = without_mends(&top()).unwrap();
+    assert_eq!(misfits_of_images(&top(), &mutants), [""; 0]);
+    let page = std::fs::read_to_string(top().join("docs/firmware-findings.md")).unwrap();
+    let rows: Vec<String> = mutants
+        .iter()
+        .map(|m| {
+            let scenario = m.test.rsplit("::").next().unwrap_or(&m.test);
+            format!("| {} | {} | `{scenario}` |", m.finding, m.name)
+        })
+        .collect();
+    let there: Vec<&str> = page
+        .lines()
+        .filter(|line| rows.iter().any(|r| r == line))
+        .collect();
+    assert_eq!(
+        there, rows,
+        "docs/firmware-findings.md lists them in their order"
+    );
+    // D and E are answered on a page, F on a PC.
+    for finding in ["A", "B", "C", "G", "H", "I", "J"] {
+        assert!(mutants.iter().any(|m| m.finding == finding), "{finding}");
+    }
 }

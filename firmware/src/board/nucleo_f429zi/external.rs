@@ -12,7 +12,7 @@
 //! | AD7606 RESET | PF12 | CN7-20, D8 | output | high for a microsecond at the start; pull it down outside |
 //! | AD5761R SCLK | PC10 | CN8-6, D45 | SPI3, 10.5 MHz | idles low |
 //! | AD5761R SDO | PC11 | CN8-8, D46 | SPI3 | its control register is read back at the start |
-//! | AD5761R SDI | PC12 | CN8-10, D47 | SPI3 | |
+//! | AD5761R SDI | PC12 | CN8-10, D47 | SPI3 | pull it down at the chip: all ones are its full reset, zeros no command |
 //! | AD5761R SYNC | PD2 | CN8-12, D48 | output | low while it is written; pull it up outside |
 //! | AD5761R LDAC | PD12 | CN10-21, D29 | TIM4 channel 1 | falls 60 us after the trigger: the command leaves; pull it up outside |
 //!
