@@ -72,6 +72,127 @@ fn a_delay_that_jumps_is_named_within_two_cycles_on_its_side_and_by_its_size() {
 
 const JUMP: &str = "[[plant.effects]]\nname = 'delay_error'\ndelay_ms = 12\nfrom_s = 8\n";
 
+/// What goes wrong from 8 s on, and the cause that a set has to hold.
+const EACH: [(&str, [&str; 2]); 26] = [
+    (
+        "name = 'delay_error'\ndelay_ms = 12",
+        ["delay_error", "actuator"],
+    ),
+    (
+        "name = 'gain_error'\nchannel = 'actuator'\nerror = 0.08",
+        ["gain_error", "actuator"],
+    ),
+    (
+        "name = 'offset'\nchannel = 'actuator'\noffset_mm = 2",
+        ["offset", "actuator"],
+    ),
+    (
+        "name = 'drift'\nchannel = 'actuator'\nrate_mm_per_s = 0.3",
+        ["offset", "actuator"],
+    ),
+    (
+        "name = 'coulomb_friction'\nchannel = 'actuator'\nerror_mm = 1.2",
+        ["coulomb_friction", "actuator"],
+    ),
+    // The overlap of a valve: what it takes of each turn is a smaller gain.
+    (
+        "name = 'dead_band'\nchannel = 'actuator'\nwidth_mm = 3",
+        ["gain_error", "actuator"],
+    ),
+    (
+        "name = 'rate_limit'\nrate_mm_per_s = 120",
+        ["rate_limit", "actuator"],
+    ),
+    (
+        "name = 'saturation'\nchannel = 'actuator'\nlimit_mm = 20",
+        ["saturation", "actuator"],
+    ),
+    (
+        "name = 'gain_error'\nsensor = 'displacement'\nerror = 0.08",
+        ["gain_error", "displacement"],
+    ),
+    (
+        "name = 'offset'\nsensor = 'displacement'\noffset_mm = 2",
+        ["offset", "displacement"],
+    ),
+    (
+        "name = 'drift'\nsensor = 'displacement'\nrate_mm_per_s = 0.3",
+        ["offset", "displacement"],
+    ),
+    (
+        "name = 'channel_skew'\nskew_ms = -12",
+        ["channel_skew", "displacement"],
+    ),
+    (
+        "sensor = 'displacement'\nfrozen = true",
+        ["frozen_sensor", "displacement"],
+    ),
+    (
+        "sensor = 'displacement'\nname = 'sensor_noise'\nrms_mm = 0.4",
+        ["sensor_noise", "displacement"],
+    ),
+    (
+        "sensor = 'displacement'\nname = 'mains_hum'\namplitude_mm = 0.3",
+        ["mains_hum", "displacement"],
+    ),
+    (
+        "name = 'gain_error'\nsensor = 'force'\nerror = 0.15",
+        ["gain_error", "force"],
+    ),
+    (
+        "name = 'offset'\nsensor = 'force'\noffset_n = 500",
+        ["offset", "force"],
+    ),
+    (
+        "name = 'drift'\nsensor = 'force'\nrate_n_per_s = 80",
+        ["offset", "force"],
+    ),
+    (
+        "name = 'channel_skew'\nskew_ms = 12",
+        ["channel_skew", "force"],
+    ),
+    (
+        "name = 'inertia_force'\nmass_kg = 800",
+        ["inertia_force", "force"],
+    ),
+    (
+        "sensor = 'force'\nname = 'sensor_noise'\nrms_n = 60",
+        ["sensor_noise", "force"],
+    ),
+    (
+        "sensor = 'force'\nname = 'mains_hum'\namplitude_n = 60",
+        ["mains_hum", "force"],
+    ),
+    (
+        "name = 'dead_band'\nchannel = 'specimen'\nwidth_mm = 1.5",
+        ["dead_band", "specimen"],
+    ),
+    (
+        "name = 'coulomb_friction'\nchannel = 'specimen'\nforce_n = 300",
+        ["coulomb_friction", "specimen"],
+    ),
+    (
+        "name = 'degradation'\ntravel_mm = 1e-3\nlost_share = 0.6",
+        ["degradation", "specimen"],
+    ),
+    (
+        "name = 'degradation'\ntravel_mm = 1e-3\nlost_share = 0.6",
+        ["gain_error", "force"],
+    ),
+];
+
+#[test]
+fn each_cause_of_the_list_is_named_on_its_side() {
+    let mut wrong = Vec::new();
+    for (effect, [name, side]) in EACH {
+        let report = watched(&format!("[[plant.effects]]\n{effect}\nfrom_s = 8\n"));
+        if !report.events.iter().any(|e| holds(e, name, side)) {
+            wrong.push((name, side, report.sentence()));
+        }
+    }
+    assert_eq!(wrong, []);
+}
+
 #[test]
 fn a_delay_that_jumps_is_corrected_and_what_it_adds_to_the_error_is_halved() {
     let plain = run(JUMP, &[]).summary;

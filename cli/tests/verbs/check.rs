@@ -211,3 +211,28 @@ fn a_method_behind_another_predictor_has_both_names() {
     ]);
     assert_eq!(json(&output)["compensation"], "tangent+inverse");
 }
+
+#[test]
+fn what_will_be_watchable_is_said_before_the_test_with_its_size() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/rig-watch.toml");
+    let outlook = |more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["check", file, "--json", "--plants", "2"])
+            .args(more)
+            .output();
+        json(&output.expect("the tool runs"))["watch"].clone()
+    };
+    // 40 mm at 1 Hz, an actuator that is declared within half a millisecond: the 12 ms of the example, and none below 1 ms.
+    let watch = outlook(&[]);
+    let all = watch["watchable"].as_array().unwrap();
+    let late = all
+        .iter()
+        .find(|w| w["name"] == "delay_error" && w["side"] == "actuator")
+        .expect("a late actuator");
+    assert_eq!(late["unit"], "ms");
+    let least = late["least"].as_f64().unwrap();
+    assert!((1.0..12.0).contains(&least), "{least}");
+    assert_eq!(watch["not_watched"], serde_json::json!([]));
+    // Off is off.
+    assert_eq!(outlook(&["--set", "watch.on=false"]), Value::Null);
+}
