@@ -168,9 +168,14 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
             "What the declared model leaves ({before:.4} {unit} rms) has no name that is probable enough; the model is left as \
              it was."
         ),
-        _ => format!(
-            "With what was found the held-out error falls from {before:.4} to {after:.4} {unit} rms."
-        ),
+        _ => {
+            let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();
+            format!(
+                "The {} model lacks {}: with it the held-out error falls from {before:.4} to {after:.4} {unit} rms.",
+                answer.channel.name(),
+                names.join(" and ")
+            )
+        }
     };
     let mut notes = vec![said];
     if answer.verdict == Verdict::Ambiguous

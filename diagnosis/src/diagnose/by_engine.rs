@@ -86,11 +86,12 @@ impl ChannelDiagnosis<'_> {
         found: &Found<A::Fit>,
         improved: &mut Model,
     ) -> Option<ChannelAnswer> {
-        let before = channel.left(&found.declared)?;
+        let declared = channel.data.settled(&found.declared);
+        let before = channel.left(&declared)?;
         let mut answer = self.blank(Verdict::None);
         answer.error_before = self.errors_left(&before);
         answer.error_after = answer.error_before;
-        answer.refitted = advice::refitted(&self.base, &channel.data.declared(&found.declared));
+        answer.refitted = advice::refitted(&self.base, &channel.data.declared(&declared));
         answer.noise_floor_rms = channel.noise_rms.min(answer.error_before.test_rms);
         let mut after = None;
         match &found.said {
@@ -152,7 +153,7 @@ impl ChannelDiagnosis<'_> {
         }: Given<A::Fit>,
         improved: &mut Model,
     ) -> Option<Left> {
-        let fit = &candidate.model;
+        let fit = &channel.data.settled(&candidate.model);
         let after = channel.left(fit)?;
         let errors = self.errors_left(&after);
         let gain = interval::improvement(&before[1], &after[1], self.train[0].interval_s());

@@ -15,6 +15,9 @@ pub trait Asked {
     /// Measured less modelled, record by record, which may be others than those of the fit; `None` where a signal is missing.
     fn residuals(&self, fit: &Self::Fit, records: &[Recording]) -> Option<Vec<Vec<f64>>>;
 
+    /// A fit that was chosen, at its best.
+    fn settled(&self, fit: &Self::Fit) -> Self::Fit;
+
     /// Each name with its parameters and their 90 % intervals.
     fn figures(&self, fit: &Self::Fit) -> Vec<(Effect, Vec<ParameterEstimate>)>;
 

@@ -3,21 +3,17 @@
 use super::asked::Asked;
 use super::row::Form;
 use super::specimen::{SpecimenData, SpecimenModelFit};
+use super::unknowns::Freedom;
 use crate::answer::ParameterEstimate;
 use crate::interval;
+use crate::joint::SpecimenFit;
 use crate::joint::element::Element;
-use crate::joint::{SpecimenFit, figures::figures};
+use crate::joint::figures::{PRESLIDING, figures};
 use crate::library::candidate::NamedValue;
-use crate::linear::dot;
 use crate::model::Model;
 use crate::recording::Recording;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use plant::{Channel, Effect, EffectSpec};
-
-/// Segments whose pulls tell the scatter of what was fitted.
-const SEGMENTS: usize = 24;
-/// Step of an unknown, relative.
-const STEP: f64 = 1e-3;
 
 impl Asked for SpecimenData<'_> {
     type Fit = SpecimenModelFit;
@@ -27,8 +23,31 @@ impl Asked for SpecimenData<'_> {
         records.iter().map(residual).collect()
     }
 
+    fn settled(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
+        self.settled(fit)
+    }
+
     fn figures(&self, fit: &SpecimenModelFit) -> Vec<(Effect, Vec<ParameterEstimate>)> {
-        Figures { data: self, fit }.all()
+        let own = Figures { data: self, fit }.all();
+        if fit.left_out_mm.is_none() {
+            return own;
+        }
+        // Near a reversal alone friction shows over which way it builds up.
+        let whole = SpecimenModelFit {
+            left_out_mm: None,
+            ..fit.clone()
+        };
+        let data = self;
+        let whole = Figures { data, fit: &whole }.all();
+        let which = |(own, whole): (ParameterEstimate, ParameterEstimate)| {
+            if own.0 == PRESLIDING { whole } else { own }
+        };
+        let pairs = own.into_iter().zip(whole);
+        pairs
+            .map(|((name, own), (_, whole))| {
+                (name, own.into_iter().zip(whole).map(which).collect())
+            })
+            .collect()
     }
 
     fn declared(&self, fit: &SpecimenModelFit) -> [f64; 4] {
@@ -47,26 +66,18 @@ struct Figures<'a, 'b> {
     fit: &'a SpecimenModelFit,
 }
 
-/// An unknown of a fit: a declared parameter, the strength of a term, its shape.
-#[derive(Clone, Copy, Debug)]
-enum Unknown {
-    Declared(usize),
-    Strength(usize, usize),
-    Shape(usize, usize),
-}
-
 impl Figures<'_, '_> {
     /// Each name with its parameters.
     fn all(&self) -> Vec<(Effect, Vec<ParameterEstimate>)> {
         let mut names = self.fit.names.clone();
         names.dedup();
         let unknowns = self.unknowns();
-        let covariance = self.covariance(&unknowns);
+        let covariance = self.data.covariance(self.fit, &unknowns);
         let of = |name: Effect| {
             let here = self.values(self.fit, name);
             let mut gradient = DMatrix::zeros(here.len(), unknowns.len());
             for (j, unknown) in unknowns.iter().enumerate() {
-                let (moved, step) = moved(self.fit, *unknown);
+                let (moved, step) = unknown.moved(self.fit);
                 for (i, there) in self
                     .values(&moved, name)
                     .iter()
@@ -120,83 +131,19 @@ impl Figures<'_, '_> {
         };
         let term = &fit.terms[first];
         if let Form::Effect(c) = self.data.rows[term.row].form {
-            let shapes = (c.shapes)(&self.data.sizes.scales).len();
-            return (c.parameters)(
-                &fit.strengths[first],
-                &term.shape[..shapes],
-                &self.data.sizes.scales,
-            );
+            let scales = self.data.sizes_of(fit).scales;
+            let shapes = (c.shapes)(&scales).len();
+            return (c.parameters)(&fit.strengths[first], &term.shape[..shapes], &scales);
         }
         let (elements, owners) = self.elements(fit);
         let own: Vec<usize> = (0..owners.len()).filter(|&i| owners[i] == name).collect();
         figures(name, &own, &elements, &self.data.declared_values())
     }
 
-    fn unknowns(&self) -> Vec<Unknown> {
-        let mut all = Vec::new();
-        let bounds = self.data.bounds_of(self.fit);
-        let inside = |i: usize, value: f64| {
-            let b = bounds[i];
-            let room = 1e-6 * (b.high - b.low).min(value.abs());
-            value > b.low + room && value < b.high - room
-        };
-        for i in 0..4 {
-            if inside(i, self.fit.declared[i]) {
-                all.push(Unknown::Declared(i));
-            }
-        }
-        let mut at = 4;
-        for (t, (term, strengths)) in self.fit.terms.iter().zip(&self.fit.strengths).enumerate() {
-            for (k, s) in strengths.iter().enumerate() {
-                if inside(at + k, *s) && *s != 0.0 {
-                    all.push(Unknown::Strength(t, k));
-                }
-            }
-            at += strengths.len();
-            let row = &self.data.rows[term.row];
-            for (which, _, _) in row.movable(term.shape, &self.data.sizes) {
-                all.push(Unknown::Shape(t, which));
-            }
-        }
+    fn unknowns(&self) -> Vec<Freedom> {
+        let mut all = self.data.freedoms(self.fit);
+        all.retain(|f| f.is_inside(self.fit));
         all
-    }
-
-    /// How the unknowns vary together, from how far segments of the record pull the fit apart.
-    fn covariance(&self, unknowns: &[Unknown]) -> Option<DMatrix<f64>> {
-        let n = unknowns.len();
-        if n == 0 {
-            return None;
-        }
-        let here = self.data.answered(self.fit);
-        let residual = crate::signals::difference(self.data.target(), &here);
-        let columns: Vec<Vec<f64>> = unknowns
-            .iter()
-            .map(|u| {
-                let (moved, step) = moved(self.fit, *u);
-                crate::signals::difference_quotient(&self.data.answered(&moved), &here, step)
-            })
-            .collect();
-        let size: Vec<f64> = columns
-            .iter()
-            .map(|c| dot(c, c).max(f64::MIN_POSITIVE).sqrt())
-            .collect();
-        let bread = DMatrix::from_fn(n, n, |i, j| {
-            dot(&columns[i], &columns[j]) / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
-        });
-        let inverse = bread.cholesky()?.inverse();
-        let samples = residual.len();
-        let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-        for k in 0..SEGMENTS {
-            let (a, b) = (k * samples / SEGMENTS, (k + 1) * samples / SEGMENTS);
-            let pull =
-                DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &residual[a..b]) / size[i]);
-            pulls += &pull * pull.transpose();
-        }
-        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
-        let all = &inverse * pulls * &inverse * (SEGMENTS as f64 / free);
-        Some(DMatrix::from_fn(n, n, |i, j| {
-            all[(i, j)] / size[i] / size[j]
-        }))
     }
 
     /// Puts the fit into a model: refitted parameters, elements beside the specimen, effects.
@@ -210,24 +157,12 @@ impl Figures<'_, '_> {
             let Form::Effect(c) = self.data.rows[term.row].form else {
                 continue;
             };
-            let shapes = (c.shapes)(&self.data.sizes.scales).len();
-            let own = (c.parameters)(strengths, &term.shape[..shapes], &self.data.sizes.scales);
+            let scales = self.data.sizes_of(self.fit).scales;
+            let shapes = (c.shapes)(&scales).len();
+            let own = (c.parameters)(strengths, &term.shape[..shapes], &scales);
             let values: Vec<(&str, f64)> =
                 own.iter().map(|(name, _, value)| (*name, *value)).collect();
             effects.push(EffectSpec::new(c.effect, &values));
         }
     }
-}
-
-/// A fit with one unknown moved, and by how much.
-fn moved(fit: &SpecimenModelFit, unknown: Unknown) -> (SpecimenModelFit, f64) {
-    let mut other = fit.clone();
-    let place = match unknown {
-        Unknown::Declared(i) => &mut other.declared[i],
-        Unknown::Strength(t, k) => &mut other.strengths[t][k],
-        Unknown::Shape(t, which) => &mut other.terms[t].shape[which],
-    };
-    let step = STEP * place.abs().max(1e-6);
-    *place += step;
-    (other, step)
 }

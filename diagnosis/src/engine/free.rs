@@ -62,7 +62,7 @@ impl SpecimenData<'_> {
 
     /// What speaks for a model with the rival's columns beside it.
     pub fn beside_free(&self, fit: &SpecimenModelFit, free: &[Vec<f64>]) -> Option<Evidence> {
-        let mut columns = self.columns(&fit.terms);
+        let mut columns = self.columns_on(&fit.terms, &fit.specimen());
         let mut bounds = self.bounds(&fit.terms);
         let own = columns.len();
         columns.extend(free.iter().cloned());

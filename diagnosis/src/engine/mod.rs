@@ -29,7 +29,10 @@ mod posterior;
 mod row;
 mod score;
 mod search;
+mod settle;
+mod sliding;
 mod specimen;
+mod unknowns;
 mod verdict;
 
 pub use asked::{Asked, Found};
@@ -150,6 +153,15 @@ fn polished(
         .map(|s| s.atoms.iter().map(term).collect())
         .collect();
     starts.retain(|s| !s.is_empty());
+    let singles = found
+        .iter()
+        .filter(|s| s.atoms.len() == 1)
+        .take(search::ALONE);
+    for single in singles.map(|s| s.atoms.iter().map(term).collect::<Vec<_>>()) {
+        if !starts.contains(&single) {
+            starts.push(single);
+        }
+    }
     let all = |starts: Vec<Vec<Term>>| -> Vec<SpecimenModelFit> {
         let fits = starts.into_par_iter().filter_map(|s| data.polished(&s));
         fits.collect()

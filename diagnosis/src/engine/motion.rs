@@ -14,6 +14,8 @@ pub struct Motion {
     pub track: Track,
     signals: Signals,
     declared: [Vec<f64>; 4],
+    /// The parameters of the specimen whose answer is in `signals`.
+    acted_on: [f64; 4],
 }
 
 impl Motion {
@@ -42,6 +44,7 @@ impl Motion {
             track,
             signals,
             declared,
+            acted_on: base.values,
         }
     }
 
@@ -50,21 +53,40 @@ impl Motion {
         self.declared.to_vec()
     }
 
-    /// A law's columns, from before the record on. A stage's is what it makes of the declared answer, less that.
-    pub fn columns(&self, row: &Row, shape: [f64; 4], sizes: &Sizes) -> Vec<Vec<f64>> {
+    /// A law's columns, from before the record on, of effects on a specimen of these parameters. A stage's is what it makes of that
+    /// specimen's answer, less that.
+    pub fn columns(
+        &self,
+        row: &Row,
+        shape: [f64; 4],
+        sizes: &Sizes,
+        on: &[f64; 4],
+    ) -> Vec<Vec<f64>> {
         match row.form {
             Form::Parameter(_) => Vec::new(),
             Form::Element(law) => vec![Element { law, shape }.force(&self.track, &sizes.motion)],
             Form::Effect(c) => {
                 let scales = Scales {
                     step_s: self.track.interval_s,
-                    ..sizes.scales
+                    ..sizes.on(on).scales
+                };
+                let refitted;
+                let signals = if *on == self.acted_on {
+                    &self.signals
+                } else {
+                    let mut base = vec![0.0; self.track.x.len()];
+                    add_columns(&mut base, &self.declared, on, 1.0);
+                    refitted = Signals {
+                        base,
+                        ..self.signals.clone()
+                    };
+                    &refitted
                 };
                 let Some(stage) = c.stage else {
-                    return (c.columns)(&self.signals, &shape, &scales);
+                    return (c.columns)(signals, &shape, &scales);
                 };
-                let after = stage(&self.signals.base, &shape, &scales);
-                vec![crate::signals::difference(&after, &self.signals.base)]
+                let after = stage(&signals.base, &shape, &scales);
+                vec![crate::signals::difference(&after, &signals.base)]
             }
         }
     }

@@ -22,6 +22,8 @@ const STEP: f64 = 5e-3;
 /// A model with its strengths.
 #[derive(Clone, Debug)]
 struct Weighed {
+    /// Parameters of the specimen that effects act on.
+    on: [f64; DECLARED],
     columns: Vec<Vec<f64>>,
     bounds: Vec<Bound>,
     strengths: Vec<f64>,
@@ -39,6 +41,13 @@ struct Slope {
     column: Vec<f64>,
 }
 
+impl Weighed {
+    /// The refitted parameters, which effects act on in the next round.
+    fn on_refitted(&self) -> [f64; DECLARED] {
+        std::array::from_fn(|i| self.strengths[i])
+    }
+}
+
 fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
     (
         bounds.iter().map(|b| b.low).collect(),
@@ -50,7 +59,13 @@ impl SpecimenData<'_> {
     /// Moves the shapes of a model to their best and judges it, its shapes' freedom included.
     pub fn polished(&self, start: &[Term]) -> Option<SpecimenModelFit> {
         let mut terms = start.to_vec();
-        let mut here = self.fitted(&terms)?;
+        let mut here = self.fitted(&terms, self.declared_values())?;
+        if terms
+            .iter()
+            .any(|t| matches!(self.rows[t.row].form, Form::Effect(_)))
+        {
+            here = self.fitted(&terms, here.on_refitted())?;
+        }
         let mut slopes = Vec::new();
         for round in 0..ROUNDS {
             slopes = self.slopes(&terms, &here);
@@ -71,8 +86,8 @@ impl SpecimenData<'_> {
     }
 
     /// The strengths of a model by the score's weights.
-    fn fitted(&self, terms: &[Term]) -> Option<Weighed> {
-        let columns = self.columns(terms);
+    fn fitted(&self, terms: &[Term], on: [f64; DECLARED]) -> Option<Weighed> {
+        let columns = self.columns_on(terms, &on);
         let bounds = self.bounds(terms);
         let parts = self.parts(&columns, &self.target);
         let (low, high) = ends(&bounds);
@@ -85,6 +100,7 @@ impl SpecimenData<'_> {
         let weights = self.score.weights(&fitted.left);
         let cost = self.score.evidence(&fitted.left, 0.0).log_density;
         Some(Weighed {
+            on,
             columns,
             bounds,
             strengths: fitted.strengths,
@@ -123,13 +139,14 @@ impl SpecimenData<'_> {
                 let mut moved = terms.to_vec();
                 moved[i].shape[which] += step;
                 let column = if self.is_stage(term) {
-                    let there = self.columns(&moved);
+                    let there = self.columns_on(&moved, &here.on);
                     self.change(&there, &here.columns, &here.strengths, step / unit)
                 } else {
                     if here.strengths[own.clone()].iter().all(|s| *s == 0.0) {
                         continue;
                     }
-                    let there = self.stacked(|m| m.columns(row, moved[i].shape, &self.sizes));
+                    let there =
+                        self.stacked(|m| m.columns(row, moved[i].shape, &self.sizes, &here.on));
                     let there = self.staged(there, terms);
                     self.change(
                         &there,
@@ -202,7 +219,10 @@ impl SpecimenData<'_> {
             {
                 continue;
             }
-            if let Some(there) = self.fitted(&moved).filter(|t| t.cost < here.cost) {
+            if let Some(there) = self
+                .fitted(&moved, here.on_refitted())
+                .filter(|t| t.cost < here.cost)
+            {
                 return Some((moved, there));
             }
         }
@@ -239,7 +259,13 @@ impl SpecimenData<'_> {
                 return false;
             };
             let [within, _] = self.declared()[i];
-            (within.low..=within.high).contains(&here.strengths[i])
+            // Alone less damping than declared is noise in a derivative.
+            let low = if i == 1 {
+                f64::NEG_INFINITY
+            } else {
+                within.low
+            };
+            (low..=within.high).contains(&here.strengths[i])
         };
         if terms.iter().any(inside) {
             return None;
@@ -279,6 +305,8 @@ impl SpecimenData<'_> {
             terms,
             strengths,
             names,
+            acts_on: Some(here.on),
+            left_out_mm: None,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! A law of the table: what it is computed by, over which shapes it is looked for, and what it costs.
 
+use crate::criteria::MAY_BE_FRICTION;
 use crate::joint::element::{Element, Law};
 use crate::joint::track::MotionScales;
 use crate::library::Candidate;
@@ -39,6 +40,17 @@ pub struct Sizes {
     pub motion: MotionScales,
     /// For effects.
     pub scales: Scales,
+}
+
+impl Sizes {
+    /// The same for effects on a specimen of these parameters.
+    pub fn on(&self, parameters: &[f64; 4]) -> Self {
+        let mut own = *self;
+        if parameters[0] != 0.0 {
+            own.scales.stiffness = parameters[0];
+        }
+        own
+    }
 }
 
 /// A number more of a shape.
@@ -128,13 +140,25 @@ impl Row {
     /// The other name that the same force has, where the motion does not tell: the give of a sliding contact or a yielding spring, a
     /// dashpot or one behind a stiff spring.
     pub fn other_name(&self, shape: [f64; 4], own: Effect, sizes: &Sizes) -> Option<Effect> {
-        let Form::Element(law) = self.form else {
-            return None;
+        let law = match self.form {
+            Form::Element(law) => law,
+            // What yields early may be the give of a sliding contact.
+            Form::Effect(c) if c.effect.entry().family == Family::Hysteresis => {
+                let early = shape[0] < MAY_BE_FRICTION * sizes.motion.x;
+                return early.then_some(Effect::CoulombFriction);
+            }
+            // A fall with speed that is over while friction still builds up may be the way in which it does.
+            Form::Effect(c) if c.effect == Effect::StribeckFriction => {
+                let m = &sizes.motion;
+                let built_up = m.v * (2.0 * BUILDS_UP * shape[0] / m.x).sqrt();
+                return (shape[1] < built_up).then_some(Effect::CoulombFriction);
+            }
+            Form::Effect(_) | Form::Parameter(_) => return None,
         };
         let element = Element { law, shape };
         let friction = element.may_be_friction(&sizes.motion);
         let levels_off = law == Law::Saturating && shape[0] < LEVELS_OFF * sizes.motion.v;
-        let dashpot = element.is_dashpot(&sizes.motion);
+        let dashpot = law == Law::Relaxing && element.is_dashpot(&sizes.motion);
         let other = match own.entry().family {
             Family::Hysteresis if friction => Effect::CoulombFriction,
             Family::Damping if levels_off => Effect::CoulombFriction,
@@ -153,8 +177,21 @@ impl Row {
     pub fn bounds(&self, sizes: &Sizes, shape: [f64; 4]) -> Vec<Bound> {
         match self.form {
             Form::Parameter(_) => Vec::new(),
+            // Beyond a place there is no less than none of the spring.
+            Form::Element(Law::Beyond) if shape[1] == 0.0 => vec![Bound {
+                low: -NO_SPRING * sizes.scales.stiffness,
+                high: f64::INFINITY,
+            }],
             Form::Element(law) => vec![Element { law, shape }.bound()],
             Form::Effect(c) if c.stage.is_some() => vec![ONCE],
+            Form::Effect(c) if c.effect == Effect::GainError => vec![Bound {
+                low: -OF_A_CALIBRATION,
+                high: f64::INFINITY,
+            }],
+            Form::Effect(c) if c.effect == Effect::RigCompliance => vec![Bound {
+                low: 0.0,
+                high: OF_A_CALIBRATION / sizes.scales.stiffness,
+            }],
             Form::Effect(c) => (c.bounds)(&sizes.scales),
         }
     }
@@ -193,8 +230,17 @@ impl Row {
     }
 }
 
+/// Presliding displacements after a reversal over which friction builds up, by a law that nobody knows.
+const BUILDS_UP: f64 = 4.0;
+
 /// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
 const LEVELS_OFF: f64 = 0.35;
+
+/// The share of a force that an error of its calibration, or the give of the rig, can take: beyond that the force is another one.
+const OF_A_CALIBRATION: f64 = 0.6;
+
+/// A declared spring that is gone may have been a little stiffer.
+const NO_SPRING: f64 = 1.05;
 
 /// The strength of what acts once.
 const ONCE: Bound = Bound {

@@ -14,6 +14,9 @@ pub const MOST_TERMS: usize = 4;
 const SHAPES: usize = 2;
 /// Models of one term that others are put beside, of two, and of three.
 const CARRIED: [usize; 3] = [10, 8, 4];
+/// Models of one term that are kept in any case: alone a law may be further from its shape in the grid than two that share what it
+/// does.
+pub const ALONE: usize = 24;
 /// Models that are kept at the end.
 const KEPT: usize = 60;
 
@@ -142,6 +145,7 @@ impl Search<'_> {
         let beside = self.beside(&singles);
         let mut found = vec![empty];
         let mut leading = self.best(singles, usize::MAX);
+        let alone: Vec<Scored> = leading.iter().take(ALONE).cloned().collect();
         for carried in CARRIED {
             let from: Vec<Scored> = leading.iter().take(carried).cloned().collect();
             found.extend(leading);
@@ -156,7 +160,11 @@ impl Search<'_> {
         found.extend(leading);
         let found = self.best(found, KEPT);
         let swapped = self.swapped(&found, &beside, &first);
-        self.best(found.into_iter().chain(swapped).collect(), KEPT)
+        let mut all = self.best(found.into_iter().chain(swapped).collect(), KEPT);
+        let left_out = |a: &Scored| !all.iter().any(|s| s.atoms == a.atoms);
+        let left_out: Vec<Scored> = alone.into_iter().filter(left_out).collect();
+        all.extend(left_out);
+        all
     }
 
     /// The best shapes of each law alone.

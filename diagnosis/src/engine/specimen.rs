@@ -39,6 +39,17 @@ pub struct SpecimenModelFit {
     pub names: Vec<Effect>,
     /// What speaks for it.
     pub evidence: Evidence,
+    /// Parameters of the specimen that its effects act on; none: those above, as in a model file.
+    pub acts_on: Option<[f64; DECLARED]>,
+    /// Its strengths come from samples that are so far from any reversal, mm; none: from all.
+    pub left_out_mm: Option<f64>,
+}
+
+impl SpecimenModelFit {
+    /// The parameters of the specimen that its effects act on.
+    pub fn specimen(&self) -> [f64; DECLARED] {
+        self.acts_on.unwrap_or(self.declared)
+    }
 }
 
 /// Training data of a specimen.
@@ -63,7 +74,7 @@ pub struct SpecimenData<'a> {
 impl<'a> SpecimenData<'a> {
     /// Of records without what the model already has; `None` where a signal is missing or the equations have no solution.
     pub fn new(base: &'a Base, train: &[Recording], test: &[Recording]) -> Option<Self> {
-        let rests = train.iter().all(|r| rest::spans(r).len() == 2);
+        let rests = train.iter().all(|r| !rest::spans(r).is_empty());
         let moving: Vec<Recording> = train.iter().map(rest::without).collect();
         let sources = spans(&moving)?;
         // Of the held-out records the motion's band alone, which the columns have to pass.
@@ -116,10 +127,14 @@ impl<'a> SpecimenData<'a> {
     pub fn declared(&self) -> [[Bound; 2]; DECLARED] {
         std::array::from_fn(|i| {
             let within = self.base.within_tolerances(i);
-            // A dashpot and a mass come on top of what is declared: less of it is noise in a derivative.
-            let adds = i == 1 || i == 2;
+            // A mass comes on top of what is declared: less of it is noise in a derivative. Of a dashpot another law may take the place.
+            let low = match i {
+                1 => self.base.least(1).min(within.low),
+                2 => within.low,
+                _ => f64::NEG_INFINITY,
+            };
             let free = Bound {
-                low: if adds { within.low } else { f64::NEG_INFINITY },
+                low,
                 high: f64::INFINITY,
             };
             [within, free]
@@ -152,7 +167,9 @@ impl<'a> SpecimenData<'a> {
                 if first[i] != Some(i) {
                     return Vec::new();
                 }
-                self.stacked(|m| m.columns(&self.rows[*row], *shape, &self.sizes))
+                self.stacked(|m| {
+                    m.columns(&self.rows[*row], *shape, &self.sizes, &self.base.values)
+                })
             })
             .collect();
         let mut all = self.stacked(Motion::declared);
@@ -194,9 +211,25 @@ impl<'a> SpecimenData<'a> {
         (atoms, found)
     }
 
-    /// Columns of a model, declared ones first, with all that a stage among its terms makes of them.
-    pub fn columns(&self, terms: &[Term]) -> Vec<Vec<f64>> {
-        self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes))
+    /// Columns of a model whose effects act on a specimen of these parameters, declared ones first, with all that a stage among its
+    /// terms makes of them.
+    pub fn columns_on(&self, terms: &[Term], on: &[f64; DECLARED]) -> Vec<Vec<f64>> {
+        self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes, on))
+    }
+
+    /// Samples of each block.
+    pub fn blocks(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+        self.edges.windows(2).map(|e| e[0]..e[1])
+    }
+
+    /// The declared tolerance of a parameter.
+    pub fn tolerance(&self, parameter: usize) -> f64 {
+        self.base.tolerance(parameter)
+    }
+
+    /// Sizes for effects of a fit.
+    pub fn sizes_of(&self, fit: &SpecimenModelFit) -> Sizes {
+        self.sizes.on(&fit.specimen())
     }
 
     /// Bounds of a model's strengths, declared parameters first.
@@ -263,7 +296,8 @@ impl<'a> SpecimenData<'a> {
     pub fn answer(&self, fit: &SpecimenModelFit, record: &Recording) -> Option<Vec<f64>> {
         let track = UnfilteredSpan::new(record)?.track(self.cutoff_hz);
         let motion = Motion::new(track, self.base);
-        let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes);
+        let on = fit.specimen();
+        let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes, &on);
         let mut strengths = fit.declared.to_vec();
         strengths.extend(fit.strengths.iter().flatten());
         let mut y = vec![0.0; motion.track.x.len()];
@@ -276,7 +310,8 @@ impl<'a> SpecimenData<'a> {
         let mut y = vec![0.0; self.target.len()];
         let mut strengths = fit.declared.to_vec();
         strengths.extend(fit.strengths.iter().flatten());
-        add_columns(&mut y, &self.columns(&fit.terms), &strengths, 1.0);
+        let columns = self.columns_on(&fit.terms, &fit.specimen());
+        add_columns(&mut y, &columns, &strengths, 1.0);
         y
     }
 
@@ -288,11 +323,6 @@ impl<'a> SpecimenData<'a> {
     /// Declared values.
     pub fn declared_values(&self) -> [f64; DECLARED] {
         self.base.values
-    }
-
-    /// What the declared parameters and the strengths of a fit may be.
-    pub fn bounds_of(&self, fit: &SpecimenModelFit) -> Vec<Bound> {
-        self.bounds(&fit.terms)
     }
 }
 
@@ -307,11 +337,17 @@ pub fn late_s(rows: &[Row], terms: &[Term]) -> Option<f64> {
 }
 
 /// Columns of a model over a motion, declared ones first; a stage's own is what all others become by it.
-fn model_columns(m: &Motion, rows: &[Row], terms: &[Term], sizes: &Sizes) -> Vec<Vec<f64>> {
+fn model_columns(
+    m: &Motion,
+    rows: &[Row],
+    terms: &[Term],
+    sizes: &Sizes,
+    on: &[f64; DECLARED],
+) -> Vec<Vec<f64>> {
     let mut all = m.declared();
     let is_stage = |t: &Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
     for t in terms.iter().filter(|t| !is_stage(t)) {
-        all.extend(m.columns(&rows[t.row], t.shape, sizes));
+        all.extend(m.columns(&rows[t.row], t.shape, sizes, on));
     }
     if let Some(late_s) = late_s(rows, terms) {
         all.iter_mut().for_each(|c| *c = m.late(c, late_s));

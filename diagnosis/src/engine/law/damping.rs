@@ -13,8 +13,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let dashpots = [0.08, 0.2, 0.4]
         .iter()
         .flat_map(|y| [0.5, 1.0].map(|creep| [y * m.x, creep * m.v, 1.4, 0.0]));
-    vec![
-        Row::parameter(1, 3.0),
+    let mut all = vec![
         Row::element(
             Law::PowerOfSpeed,
             3.0,
@@ -24,5 +23,9 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         Row::element(Law::SizeOfSpeed, 5.0, [[0.0; 4]]),
         Row::element(Law::Relaxing, 3.5, relaxes),
         Row::element(Law::InSeries, 3.5, dashpots),
-    ]
+    ];
+    let own: Vec<Row> = all.iter().map(|r| r.with_own(1)).collect();
+    all.extend(own);
+    all.push(Row::parameter(1, 3.0));
+    all
 }

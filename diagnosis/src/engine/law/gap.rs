@@ -7,6 +7,8 @@ use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let (x, c) = (sizes.motion.x, sizes.motion.middle);
+    // Clearances are about zero where the motion goes through it.
+    let [centre, reach] = sizes.motion.both_sides();
     let mut all = vec![
         Row::element(
             Law::Lost,
@@ -16,7 +18,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         Row::element(
             Law::Beyond,
             3.2,
-            [0.1, 0.25, 0.45, 0.65, 0.85].map(|gap| [gap * x, 0.0, c, 0.0]),
+            [0.1, 0.25, 0.45, 0.65, 0.85].map(|gap| [gap * reach, 0.0, centre, 0.0]),
         ),
     ];
     let sides = [-0.75, -0.4, 0.0, 0.4, 0.75]

@@ -12,8 +12,7 @@ mod spring;
 
 use super::row::{Form, Row, Sizes};
 
-/// Every law for a motion of these sizes. What depends on time alone is asked about only where records rest before and after they
-/// move.
+/// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest.
 pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
     let mut all = friction::rows(sizes);
     all.extend(hysteresis::rows(sizes));

@@ -6,7 +6,7 @@ use plant::Effect;
 
 pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
     let mut all = vec![
-        Row::parameter(0, 3.4),
+        Row::parameter(0, 3.6),
         Row::parameter(2, 4.2),
         Row::parameter(3, 3.2),
     ];

@@ -1,0 +1,175 @@
+//! A model that was chosen, fitted to the last of the noise. A search stops where its score feels no more; intervals are narrower.
+//!
+//! From here on the effects of the catalogue act on the refitted parameters, as a model file has them.
+
+use super::bounded::Equations;
+use super::score::{BLOCKS, EPS, NU};
+use super::specimen::{SpecimenData, SpecimenModelFit};
+use super::unknowns::{Freedom, Unknown};
+use crate::signals::difference;
+
+/// Another step is not worth it that takes less than this of one sample's noise, in squares.
+const LAST_OF_IT: f64 = 1e-2;
+/// Steps at most.
+const STEPS: usize = 30;
+/// The largest step of a shape, in its own unit.
+const MOST_STEP: f64 = 0.5;
+/// A model that leaves less than this share of the noise leaves noise: each sample counts.
+pub const LEAVES_NOISE: f64 = 1.0;
+/// From so many standard deviations on a sample counts less, by Cauchy's weight: what turns at a reversal does so a little sooner or
+/// later in a motion without its noise, and a few samples are off by all of it.
+const OFF: f64 = 8.0;
+
+/// What a fit is measured by.
+#[derive(Debug)]
+enum Measure {
+    /// Each sample, by the variance of the noise.
+    Samples(f64),
+    /// The score's blocks.
+    Blocks([f64; BLOCKS]),
+}
+
+impl SpecimenData<'_> {
+    /// The fit at its best: by the noise of each sample where it leaves nothing else, by the score's measure where it does.
+    pub fn settled(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
+        let mut here = SpecimenModelFit {
+            acts_on: None,
+            ..fit.clone()
+        };
+        for (term, strengths) in here.terms.iter().zip(&mut here.strengths) {
+            let bounds = self.rows[term.row].bounds(&self.sizes, term.shape);
+            let once = strengths.iter_mut().zip(bounds).filter(|s| s.1.is_once());
+            once.for_each(|(s, _)| *s = 1.0);
+        }
+        let all = self.settled_by(here, |_| true);
+        self.read_where_it_slides(&all).unwrap_or(all)
+    }
+
+    /// The best that some of its unknowns allow.
+    pub fn settled_by(
+        &self,
+        mut here: SpecimenModelFit,
+        moves: impl Fn(&Freedom) -> bool,
+    ) -> SpecimenModelFit {
+        let measure = self.measure(&here);
+        let mut cost = self.cost(&here, &measure);
+        for _ in 0..STEPS {
+            let Some((there, less)) = self.settling_step(&here, cost, &measure, &moves) else {
+                break;
+            };
+            let fall = cost - less;
+            (here, cost) = (there, less);
+            if fall < LAST_OF_IT {
+                break;
+            }
+        }
+        here
+    }
+
+    /// What a fit is measured by from here on.
+    fn measure(&self, fit: &SpecimenModelFit) -> Measure {
+        let noise = self.score.noise;
+        if fit.evidence.left_rms() < LEAVES_NOISE {
+            return Measure::Samples(noise);
+        }
+        Measure::Blocks(std::array::from_fn(|b| {
+            let left = EPS * EPS + fit.evidence.left[b];
+            NU / (BLOCKS as f64 * self.score.samples[b].max(1.0) * noise * left)
+        }))
+    }
+
+    /// What a square of each sample weighs beside what a fit leaves.
+    fn weights(&self, fit: &SpecimenModelFit, measure: &Measure, residual: &[f64]) -> Vec<f64> {
+        let mut all: Vec<f64> = match measure {
+            Measure::Samples(noise) => {
+                let off = |r: &f64| 1.0 / (noise + r * r / (OFF * OFF));
+                residual.iter().map(off).collect()
+            }
+            Measure::Blocks(weights) => {
+                let blocks = self.blocks().zip(weights);
+                blocks
+                    .flat_map(|(b, w)| std::iter::repeat_n(*w, b.len()))
+                    .collect()
+            }
+        };
+        if let Some(mm) = fit.left_out_mm {
+            let far = self.far_from_reversals(mm);
+            all.iter_mut()
+                .zip(far)
+                .for_each(|(w, far)| *w *= f64::from(u8::from(far)));
+        }
+        all
+    }
+
+    /// Weights of a settled fit's samples, and what it leaves of them.
+    pub fn weighed(&self, fit: &SpecimenModelFit) -> (Vec<f64>, Vec<f64>) {
+        let residual = difference(self.target(), &self.answered(fit));
+        (self.weights(fit, &self.measure(fit), &residual), residual)
+    }
+
+    fn cost(&self, fit: &SpecimenModelFit, measure: &Measure) -> f64 {
+        let residual = difference(self.target(), &self.answered(fit));
+        let weights = self.weights(fit, measure, &residual);
+        let off = |(r, w): (&f64, &f64)| match measure {
+            // Of a sample that is left out nothing counts.
+            Measure::Samples(noise) if *w > 0.0 => {
+                OFF * OFF * (r * r / (OFF * OFF * noise)).ln_1p()
+            }
+            _ => w * r * r,
+        };
+        let left: f64 = residual.iter().zip(&weights).map(off).sum();
+        let held = self.ties(|i| self.frees(&fit.terms, i)).into_iter();
+        let pull = held.map(|t| (fit.declared[t.unknown] - t.value) / self.tolerance(t.unknown));
+        left + pull.map(|p| p * p).sum::<f64>()
+    }
+
+    /// One step of all unknowns towards the best, by halves where it would not be one; what it costs then.
+    fn settling_step(
+        &self,
+        here: &SpecimenModelFit,
+        cost: f64,
+        measure: &Measure,
+        moves: &impl Fn(&Freedom) -> bool,
+    ) -> Option<(SpecimenModelFit, f64)> {
+        let mut freedoms = self.freedoms(here);
+        freedoms.retain(moves);
+        let columns = self.slopes_of(here, &freedoms);
+        let residual = difference(self.target(), &self.answered(here));
+        let weights = self.weights(here, measure, &residual);
+        let root = |c: &[f64]| -> Vec<f64> {
+            let own = c.iter().zip(&weights);
+            own.map(|(x, w)| x * w.sqrt()).collect()
+        };
+        let columns: Vec<Vec<f64>> = columns.iter().map(|c| root(c)).collect();
+        let mut whole = Equations::zero(columns.len());
+        for part in self.parts(&columns, &root(&residual)) {
+            whole.add(&part, 1.0);
+        }
+        for tie in self.ties(|i| self.frees(&here.terms, i)) {
+            let by = self.tolerance(tie.unknown).powi(-2);
+            whole.pull(tie.unknown, tie.value - here.declared[tie.unknown], by);
+        }
+        let ends = |f: &Freedom| match f.unknown {
+            Unknown::Shape(..) => [-MOST_STEP * f.unit, MOST_STEP * f.unit],
+            _ => [f.bound.low - f.value(here), f.bound.high - f.value(here)],
+        };
+        let low: Vec<f64> = freedoms.iter().map(|f| ends(f)[0]).collect();
+        let high: Vec<f64> = freedoms.iter().map(|f| ends(f)[1]).collect();
+        let step = whole.solve(&low, &high)?;
+        for halvings in 0..6 {
+            let by = 0.5_f64.powi(halvings);
+            let mut there = here.clone();
+            for (f, step) in freedoms.iter().zip(&step) {
+                *f.place(&mut there) += by * step;
+            }
+            let sound = |t: &super::specimen::Term| self.rows[t.row].is_sound(t.shape, &self.sizes);
+            if there.terms.iter().all(sound) {
+                let less = self.cost(&there, measure);
+                if less < cost {
+                    return Some((there, less));
+                }
+            }
+        }
+        None
+    }
+}
