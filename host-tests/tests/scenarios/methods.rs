@@ -186,7 +186,8 @@ fn the_desk_tells_the_models_cycles_as_the_page_has_them() {
     });
     let mut on_page: Vec<(&str, u32)> = on_page.collect();
     let mut told = MODEL_CYCLES.to_vec();
-    (on_page.sort_unstable(), told.sort_unstable());
+    on_page.sort_unstable();
+    told.sort_unstable();
     assert_eq!(told, on_page);
     assert_eq!(told.len(), Method::ALL.len());
 }
