@@ -27,11 +27,7 @@ impl Running {
     }
 
     fn start_with(more: &[&str]) -> Self {
-        Self::start_of("examples/table1.toml", more)
-    }
-
-    fn start_of(test: &str, more: &[&str]) -> Self {
-        let mut run = command(&["run", test, "--json", "--scope"]);
+        let mut run = command(&["run", "examples/table1.toml", "--json", "--scope"]);
         run.args(more);
         let (child, mut said, line) = started(run, "http://");
         let url = line.split("http://").nth(1).expect(&line).trim();
@@ -142,28 +138,6 @@ fn every_step_of_twelve_channels_arrives_in_time_and_no_peak_is_lost() {
     // A message is written every 20 ms; the worst few belong to a machine that builds something else beside.
     latency.sort_by(f64::total_cmp);
     assert!(latency[latency.len() * 9 / 10] < 100.0, "{latency:?}");
-}
-
-#[test]
-fn what_the_rig_watch_says_is_shown_as_it_changes() {
-    let running = Running::start_of("examples/rig-watch.toml", &["--duration", "12"]);
-    let mut socket = running.own_socket();
-    let mut said = Vec::<String>::new();
-    next(&mut socket).expect("a hello");
-    while let Some(message) = next(&mut socket) {
-        let now = message["watch"].as_str().unwrap();
-        if said.last().is_none_or(|last| last != now) {
-            said.push(now.to_owned());
-        }
-    }
-    let account = running.account();
-    let events = account["watch"]["events"].as_array().unwrap();
-    // Nothing at first; then state and name, as the account has them.
-    assert_eq!(said[0], "", "{said:?}");
-    let named = said.iter().find(|s| s.starts_with("named"));
-    let named = named.unwrap_or_else(|| panic!("{said:?} {events:?}"));
-    assert!(named.contains("delay_error"), "{named}");
-    assert!(events.iter().any(|e| e["state"] == "named"), "{events:?}");
 }
 
 #[test]
