@@ -16,6 +16,9 @@ pub const NU: f64 = 16.0;
 /// Structure below this share of the noise counts as nothing.
 pub const EPS: f64 = 0.28;
 
+/// A model that leaves less than this share of the noise leaves noise: each sample counts.
+pub const LEAVES_NOISE: f64 = 1.0;
+
 /// The score's measure for one channel.
 #[derive(Clone, Debug)]
 pub struct Score {

@@ -3,7 +3,7 @@
 //! From here on the effects of the catalogue act on the refitted parameters, as a model file has them.
 
 use super::bounded::Equations;
-use super::score::{BLOCKS, EPS, NU};
+use super::score::{BLOCKS, EPS, LEAVES_NOISE, NU};
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::{Freedom, Unknown};
 use crate::signals::difference;
@@ -14,8 +14,6 @@ const LAST_OF_IT: f64 = 1e-2;
 const STEPS: usize = 30;
 /// The largest step of a shape, in its own unit.
 const MOST_STEP: f64 = 0.5;
-/// A model that leaves less than this share of the noise leaves noise: each sample counts.
-pub const LEAVES_NOISE: f64 = 1.0;
 /// From so many standard deviations on a sample counts less, by Cauchy's weight: what turns at a reversal does so a little sooner or
 /// later in a motion without its noise, and a few samples are off by all of it.
 const OFF: f64 = 8.0;

@@ -1,7 +1,7 @@
 //! What a fit may move: declared parameters, strengths of terms, their shapes; each with what it may be.
 
+use super::score::LEAVES_NOISE;
 use super::search::DECLARED;
-use super::settle::LEAVES_NOISE;
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use crate::linear::{Bound, dot};
 use crate::signals::difference_quotient;
