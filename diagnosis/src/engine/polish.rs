@@ -2,7 +2,7 @@
 
 use super::bounded::Equations;
 use super::gram::judged;
-use super::row::Form;
+use super::row::{Form, unit};
 use super::score::{BLOCKS, NU};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
@@ -125,16 +125,7 @@ impl SpecimenData<'_> {
             let own = at..at + count;
             at += count;
             for (which, log, range) in row.movable(term.shape, &self.sizes) {
-                let span = if range[1].is_finite() {
-                    range[1] - range[0]
-                } else {
-                    1.0
-                };
-                let unit = if log {
-                    term.shape[which].abs()
-                } else {
-                    span.min(1.0).max(0.1 * span)
-                };
+                let unit = unit(log, term.shape[which], range);
                 let step = STEP * unit.max(1e-12);
                 let mut moved = terms.to_vec();
                 moved[i].shape[which] += step;

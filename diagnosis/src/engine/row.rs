@@ -233,6 +233,16 @@ impl Row {
 /// Presliding displacements after a reversal over which friction builds up, by a law that nobody knows.
 const BUILDS_UP: f64 = 4.0;
 
+/// What a shape is moved in: itself where it is moved by factors, else what its range allows.
+pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {
+    let span = if high.is_finite() { high - low } else { 1.0 };
+    if log {
+        value.abs()
+    } else {
+        span.min(1.0).max(0.1 * span)
+    }
+}
+
 /// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
 const LEVELS_OFF: f64 = 0.35;
 

@@ -1,5 +1,6 @@
 //! What a fit may move: declared parameters, strengths of terms, their shapes; each with what it may be.
 
+use super::row::unit;
 use super::score::LEAVES_NOISE;
 use super::search::DECLARED;
 use super::specimen::{SpecimenData, SpecimenModelFit};
@@ -96,16 +97,7 @@ impl SpecimenData<'_> {
             }
             at += strengths.len();
             for (which, log, range) in self.rows[term.row].movable(term.shape, &self.sizes) {
-                let span = if range[1].is_finite() {
-                    range[1] - range[0]
-                } else {
-                    1.0
-                };
-                let unit = if log {
-                    term.shape[which].abs()
-                } else {
-                    span.min(1.0).max(0.1 * span)
-                };
+                let unit = unit(log, term.shape[which], range);
                 all.push(Freedom {
                     unknown: Unknown::Shape(t, which),
                     bound: Bound::FREE,
