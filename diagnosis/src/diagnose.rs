@@ -243,6 +243,13 @@ impl ChannelDiagnosis<'_> {
         };
         let noise = self.noise(cutoff_hz);
         let specimen = self.base.channel == Channel::Specimen;
+        if specimen && let Some(noise) = &noise {
+            let settled = settle(&problem, &self.base, noise, &[]);
+            if let Some(settled) = settled.filter(|s| self.is_quantisation_only(s, noise)) {
+                let nothing = Explanation::nothing(settled);
+                return (self.answer(&nothing, noise, cutoff_hz, improved), None);
+            }
+        }
         if specimen
             && self.engine == Engine::One
             && let Some(answer) = self.specimen_by_engine(improved)

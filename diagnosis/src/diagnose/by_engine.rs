@@ -9,10 +9,14 @@ use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Named, Said, Spec
 use crate::interval;
 use crate::joint;
 use crate::model::Model;
-use crate::noise::NoiseSource;
+use crate::noise::hum::without_hum;
+use crate::noise::{Noise, NoiseSource};
 use crate::recording::Recording;
 use crate::signals::{end_of, nrmse, rms};
 use plant::Effect;
+
+/// The low-pass of a displacement is nothing from so many times its cut-off on.
+const PASSES: f64 = 1.3;
 
 /// What a model leaves of training and held-out records.
 type Left = [Vec<Vec<f64>>; 2];
@@ -21,9 +25,11 @@ type Left = [Vec<Vec<f64>>; 2];
 struct ChannelData<'a, A> {
     data: &'a A,
     bare: [&'a [Recording]; 2],
-    noise_rms: f64,
+    noise: Noise,
     /// A rest tells the noise.
     told: bool,
+    /// Where the displacement is cut off, Hz.
+    cutoff_hz: f64,
     /// What is left below this share of the output is within the class of a good transducer.
     transducer: f64,
 }
@@ -36,6 +42,15 @@ impl<A: Asked> ChannelData<'_, A> {
             self.data.residuals(fit, test)?,
         ])
     }
+}
+
+/// Records without the mains in their displacement: that is in the cable, and nothing moves by it.
+pub(super) fn without_mains(records: &[Recording]) -> Vec<Recording> {
+    let quiet = |r: &Recording| Recording {
+        displacement_mm: r.displacement_mm.as_ref().map(|x| without_hum(x, r)),
+        ..r.clone()
+    };
+    records.iter().map(quiet).collect()
 }
 
 /// Names that an answer takes in, with the model that has them.
@@ -58,8 +73,9 @@ impl<'a, F> Given<'a, F> {
 impl ChannelDiagnosis<'_> {
     /// What the one engine says; `None` where a signal is missing or nothing tells the noise.
     pub(super) fn specimen_by_engine(&self, improved: &mut Model) -> Option<ChannelAnswer> {
-        let train = joint::without_known(&self.base, self.train)?;
-        let test = joint::without_known(&self.base, self.test)?;
+        let [train, test] = [self.train, self.test].map(without_mains);
+        let train = joint::without_known(&self.base, &train)?;
+        let test = joint::without_known(&self.base, &test)?;
         let mut data = SpecimenData::new(&self.base, &train, &test)?;
         let half_rate = 0.5 / self.train[0].interval_s();
         let noise = self.noise(data.cutoff_hz.min(half_rate))?;
@@ -72,8 +88,9 @@ impl ChannelDiagnosis<'_> {
         let channel = ChannelData {
             data: &data,
             bare: [&train, &test],
-            noise_rms: noise.rms,
+            noise,
             told,
+            cutoff_hz: data.cutoff_hz,
             transducer: TRANSDUCER,
         };
         self.answer_of(&channel, &found, improved)
@@ -92,11 +109,13 @@ impl ChannelDiagnosis<'_> {
         answer.error_before = self.errors_left(&before);
         answer.error_after = answer.error_before;
         answer.refitted = advice::refitted(&self.base, &channel.data.declared(&declared));
-        answer.noise_floor_rms = channel.noise_rms.min(answer.error_before.test_rms);
+        answer.noise_floor_rms = channel.noise.rms.min(answer.error_before.test_rms);
         let mut after = None;
         match &found.said {
             Said::Nothing => {}
-            _ if answer.error_before.test_nrmse < channel.transducer => {}
+            // A name that is sure stands where a rest tells that it is no noise.
+            said if answer.error_before.test_nrmse < channel.transducer
+                && !(channel.told && matches!(said, Said::Names(_))) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
                 after = self.take_named(&mut answer, channel, &before, named, improved);
@@ -119,6 +138,14 @@ impl ChannelDiagnosis<'_> {
         }
         answer.unnamed = Some(found.unnamed);
         let kept = after.as_ref().unwrap_or(&before);
+        if answer.verdict == Verdict::None {
+            self.quantisation(&self.noise(self.cutoff_hz())?, &mut answer);
+        } else if !channel.told {
+            // Stated is the force's own, where the best model leaves least else; of `none` what is left is the noise.
+            let own = self.own_noise(&kept[0], PASSES * channel.cutoff_hz);
+            let felt = &mut answer.noise_floor_rms;
+            *felt = own.map_or(*felt, |own| own.min(*felt));
+        }
         answer.notes = advice::engine(&answer);
         answer.traces = self.engine_traces(&before[1], &kept[1]);
         answer.residuals = kept.clone();
@@ -163,7 +190,10 @@ impl ChannelDiagnosis<'_> {
         } else {
             SET_LEAVES
         };
-        let little = errors.test_rms > most * answer.error_before.test_rms;
+        // Of what is no noise, where a rest tells that.
+        let noise = if channel.told { channel.noise.rms } else { 0.0 };
+        let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
+        let little = beyond(errors.test_rms) > most * beyond(answer.error_before.test_rms);
         if little || gain[0] <= 0.0 && !is_set {
             answer.verdict = Verdict::Unknown;
             answer.nearest = Some(nearest_of(names[0].0, &before[1], &after[1]));
@@ -196,7 +226,7 @@ impl ChannelDiagnosis<'_> {
             answer.verdict = Verdict::Ambiguous;
         } else {
             let felt = answer.noise_floor_rms;
-            let share = ACCOUNTS * answer.error_before.test_rms;
+            let share = ACCOUNTS * self.while_moving(&before[1]);
             let known = if channel.told {
                 BESIDE_NOISE
             } else {
@@ -204,7 +234,7 @@ impl ChannelDiagnosis<'_> {
             };
             let most = share.min(known * felt).max(NOISE * felt);
             let only = candidate.names.len() == names.len();
-            answer.verdict = if errors.test_rms <= most && only {
+            answer.verdict = if self.while_moving(&after[1]) <= most && only {
                 Verdict::Effect
             } else {
                 Verdict::Partial

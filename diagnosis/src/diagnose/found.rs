@@ -205,7 +205,7 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// What is left of the held-out data while they move, rms: in a rest friction holds any force.
-    fn while_moving(&self, left: &[Vec<f64>]) -> f64 {
+    pub(super) fn while_moving(&self, left: &[Vec<f64>]) -> f64 {
         let moving = |(r, left): (&Recording, &Vec<f64>)| {
             let skipped = r.time_s.len() - left.len();
             let part = rest::moving(r);
@@ -266,7 +266,7 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
-    fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
+    pub(super) fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
         let step = self.output_step();
         let room = self
             .train

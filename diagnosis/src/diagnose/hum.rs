@@ -1,13 +1,13 @@
 //! The mains in an actuator's reading: it stands in the rest and hides what else is missing, so it is taken off first.
 
+use super::by_engine::without_mains;
 use super::channel::ChannelDiagnosis;
 use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
 use crate::criteria::FALSE_SINGLES;
 use crate::criteria::LINES;
 use crate::interval;
 use crate::model::Model;
-use crate::noise::hum::{lines_at_rest, without_hum};
-use crate::recording::Recording;
+use crate::noise::hum::lines_at_rest;
 use crate::signals::{difference, rms};
 use plant::{Channel, Effect};
 
@@ -22,13 +22,8 @@ impl ChannelDiagnosis<'_> {
         if self.base.channel != Channel::Actuator || answer.verdict != Verdict::Unknown {
             return None;
         }
-        let [clean_train, clean_test, clean_rest] = [self.train, self.test, self.rest].map(|set| {
-            let clean = |r: &Recording| Recording {
-                displacement_mm: r.displacement_mm.as_ref().map(|x| without_hum(x, r)),
-                ..r.clone()
-            };
-            set.iter().map(clean).collect::<Vec<Recording>>()
-        });
+        let [clean_train, clean_test, clean_rest] =
+            [self.train, self.test, self.rest].map(without_mains);
         let longest = self
             .test
             .iter()

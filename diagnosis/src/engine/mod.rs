@@ -19,6 +19,7 @@
 
 mod asked;
 mod bounded;
+mod exact;
 mod figures;
 mod free;
 mod gram;
@@ -40,6 +41,7 @@ pub use posterior::Candidate;
 pub use specimen::{SpecimenData, SpecimenModelFit};
 pub use verdict::{Named, Said};
 
+use plant::{Effect, Family};
 use rayon::prelude::*;
 use specimen::Term;
 
@@ -47,9 +49,9 @@ use specimen::Term;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
     /// Single effects, elements searched jointly and the actuator's parts, and what arbitrates between them.
-    #[default]
     Votes,
     /// One vocabulary, one score, one search, a posterior and a verdict.
+    #[default]
     One,
 }
 
@@ -103,9 +105,10 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
         }
     }
     let mut fits = polished(data, &atoms, &found)?;
-    let declared = data.polished(&[])?;
-    let mut all = nameless(data, &fits, &declared);
-    fits.push(declared.clone());
+    fits.push(data.polished(&[])?);
+    data.weigh_samples(&mut fits);
+    let declared = fits.last()?.clone();
+    let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
     Some(Found::of(all, declared, noise.told))
 }
@@ -122,7 +125,8 @@ fn nameless(
     leading.push(declared);
     let free = data.free();
     let beside = |fit: &&SpecimenModelFit| {
-        let evidence = data.beside_free(fit, &free)?;
+        let mut evidence = data.beside_free(fit, &free)?;
+        evidence.against = fit.evidence.against;
         Some(SpecimenModelFit {
             evidence,
             ..(*fit).clone()
@@ -202,16 +206,32 @@ const OTHER_NAME: f64 = 0.4;
 /// A fit under each of the names that its force has.
 fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<SpecimenModelFit>> {
     let mut all = vec![fit.names.clone()];
-    for (i, term) in fit.terms.iter().enumerate() {
-        let row = &data.rows[term.row];
-        if let Some(other) = row.other_name(term.shape, fit.names[i], &data.sizes) {
-            for mut names in all.clone() {
+    let other = |i: usize| {
+        let term = fit.terms[i];
+        data.rows[term.row].other_name(term.shape, fit.names[i], &data.sizes)
+    };
+    // Friction beside hysteresis that yields as early as friction may is one thing that slides, whose knee is round.
+    let early = |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
+    let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
+    // A filter of a higher order is late, and leads or lags with the square of the frequency, as a mass does.
+    let kg_of_a_filter = data.late_s(&fit).map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
+    let kg = fit.declared[2] - data.declared_values()[2];
+    for i in 0..fit.terms.len() {
+        let part_of = match fit.names[i] {
+            Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
+            name if name.entry().family == Family::Friction => early,
+            _ => None,
+        };
+        let known = all.clone();
+        for other in other(i).into_iter().chain(part_of) {
+            all.extend(known.iter().map(|names| {
+                let mut names = names.clone();
                 names[i] = other;
-                all.push(names);
-            }
+                names
+            }));
         }
     }
-    let of = |own: Vec<plant::Effect>| {
+    let of = |own: Vec<Effect>| {
         let mut evidence = fit.evidence;
         if own != fit.names {
             evidence.price += OTHER_NAME;

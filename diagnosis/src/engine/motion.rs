@@ -5,7 +5,9 @@ use crate::base::Base;
 use crate::joint::declared_columns;
 use crate::joint::element::Element;
 use crate::joint::track::{MotionScales, Track};
-use crate::signals::{Scales, Signals, Transfer, add_columns, delayed, peak};
+use crate::noise::hum::MAINS_HZ;
+use crate::signals::{Scales, Signals, Transfer, add_columns, delayed, difference, peak};
+use crate::spectrum;
 
 /// A record's motion.
 #[derive(Debug)]
@@ -86,9 +88,16 @@ impl Motion {
                     return (c.columns)(signals, &shape, &scales);
                 };
                 let after = stage(&signals.base, &shape, &scales);
-                vec![crate::signals::difference(&after, &signals.base)]
+                vec![difference(&after, &signals.base)]
             }
         }
+    }
+
+    /// The strongest line near the mains' frequency in what the declared model leaves, Hz.
+    pub fn line_hz(&self) -> Option<f64> {
+        let left = difference(&self.track.force, &self.track.span_of(&self.signals.base));
+        let interval_s = self.track.interval_s * self.track.fine as f64;
+        spectrum::line_hz(&left, interval_s, MAINS_HZ[0], MAINS_HZ[1]).map(|l| l.0)
     }
 
     /// A signal that comes late.
@@ -98,7 +107,12 @@ impl Motion {
 }
 
 /// Sizes of training records, which every record is measured by.
-pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base) -> Sizes {
+pub fn sizes(
+    motion: MotionScales,
+    motions: &[Motion],
+    base: &Base,
+    line_hz: Option<f64>,
+) -> Sizes {
     let seen = |m: &Motion| m.signals.base[m.track.first..].to_vec();
     let answers: Vec<f64> = motions.iter().flat_map(seen).collect();
     let force = peak(motions.iter().flat_map(|m| &m.track.force)).max(1e-12);
@@ -125,7 +139,7 @@ pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base) -> Sizes {
             step_s: motion.interval_s,
             actuator: unit,
             declared: unit,
-            line_hz: None,
+            line_hz,
         },
     }
 }

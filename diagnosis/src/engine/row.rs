@@ -244,7 +244,7 @@ pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
-const LEVELS_OFF: f64 = 0.35;
+const LEVELS_OFF: f64 = 0.7;
 
 /// The share of a force that an error of its calibration, or the give of the rig, can take: beyond that the force is another one.
 const OF_A_CALIBRATION: f64 = 0.6;

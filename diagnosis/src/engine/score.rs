@@ -37,12 +37,14 @@ pub struct Evidence {
     pub log_density: f64,
     /// What its terms cost, nats.
     pub price: f64,
+    /// What every sample by itself says against it, where another model leaves nothing but noise, nats.
+    pub against: f64,
 }
 
 impl Evidence {
     /// The score, nats.
     pub fn score(&self) -> f64 {
-        self.log_density - self.price
+        self.log_density - self.price - self.against
     }
 
     /// The structure that is left, typical of the blocks, over the noise's rms.
@@ -69,6 +71,7 @@ impl Score {
             left,
             log_density: -0.5 * NU * logs.sum::<f64>() / BLOCKS as f64,
             price,
+            against: 0.0,
         }
     }
 

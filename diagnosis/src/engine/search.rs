@@ -16,7 +16,7 @@ const SHAPES: usize = 2;
 const CARRIED: [usize; 3] = [10, 8, 4];
 /// Models of one term that are kept in any case: alone a law may be further from its shape in the grid than two that share what it
 /// does.
-pub const ALONE: usize = 24;
+pub const ALONE: usize = 40;
 /// Models that are kept at the end.
 const KEPT: usize = 60;
 

@@ -30,6 +30,22 @@ enum Measure {
 impl SpecimenData<'_> {
     /// The fit at its best: by the noise of each sample where it leaves nothing else, by the score's measure where it does.
     pub fn settled(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
+        let all = self.settled_by(self.as_in_a_file(fit), |_| true);
+        self.read_where_it_slides(&all).unwrap_or(all)
+    }
+
+    /// What a fit leaves of all samples at its best, squares over the noise's, and the unknowns that it took beside the declared ones.
+    pub fn settled_cost(&self, fit: &SpecimenModelFit) -> (f64, usize) {
+        let all = self.settled_by(self.as_in_a_file(fit), |_| true);
+        let declared = |f: &Freedom| matches!(f.unknown, Unknown::Declared(_));
+        let own = self.freedoms(&all).iter().filter(|f| !declared(f)).count();
+        let freed = (0..all.declared.len()).filter(|i| self.frees(&all.terms, *i));
+        let cost = self.cost(&all, &Measure::Samples(self.score.noise));
+        (cost, own + freed.count())
+    }
+
+    /// The fit with effects that act on its refitted parameters, and once exactly.
+    fn as_in_a_file(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
         let mut here = SpecimenModelFit {
             acts_on: None,
             ..fit.clone()
@@ -39,8 +55,7 @@ impl SpecimenData<'_> {
             let once = strengths.iter_mut().zip(bounds).filter(|s| s.1.is_once());
             once.for_each(|(s, _)| *s = 1.0);
         }
-        let all = self.settled_by(here, |_| true);
-        self.read_where_it_slides(&all).unwrap_or(all)
+        here
     }
 
     /// The best that some of its unknowns allow.

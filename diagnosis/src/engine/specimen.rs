@@ -84,7 +84,9 @@ impl<'a> SpecimenData<'a> {
         let every = thinning(&tracks, cutoff_hz);
         let scales = MotionScales::of(&tracks);
         let motions: Vec<Motion> = tracks.into_iter().map(|t| Motion::new(t, base)).collect();
-        let sizes = sizes(scales, &motions, base);
+        let line_hz = motions.iter().max_by_key(|m| m.track.force.len());
+        let line_hz = line_hz.and_then(Motion::line_hz);
+        let sizes = sizes(scales, &motions, base, line_hz);
         let own = |m: &Motion| averaged(&m.track.force, every);
         let target: Vec<f64> = motions.iter().flat_map(own).collect();
         let speeds = motions
@@ -318,6 +320,11 @@ impl<'a> SpecimenData<'a> {
     /// What was measured, as it is searched.
     pub fn target(&self) -> &[f64] {
         &self.target
+    }
+
+    /// By how much the force of a fit is late, where it has a term that says so.
+    pub fn late_s(&self, fit: &SpecimenModelFit) -> Option<f64> {
+        late_s(&self.rows, &fit.terms)
     }
 
     /// Declared values.

@@ -8,6 +8,8 @@ use plant::{Effect, Family};
 pub const NOTHING: [f64; 2] = [0.42, 0.84];
 /// By so much, nats: half of the squares.
 pub const SPEAKS: f64 = 5.5;
+/// Below the first share, too, where every sample says so: by so much, nats.
+pub const SHOUTS: f64 = 9.0;
 /// A name is given that is at least so probable.
 pub const SURE: f64 = 0.72;
 /// A set holds the cause with at least this probability.
@@ -96,8 +98,8 @@ fn is_nothing<M: Clone>(
 ) -> bool {
     let best = posterior.models.first().map(|m| m.0.evidence.score());
     let left = declared.evidence.left_rms();
-    let silent = best.is_none_or(|best| best - declared.evidence.score() < SPEAKS);
-    left < sure || left < most && silent
+    let by = best.map_or(0.0, |best| best - declared.evidence.score());
+    left < sure && by < SHOUTS || left < most && by < SPEAKS
 }
 
 /// Names that are sure, with the model that has them.

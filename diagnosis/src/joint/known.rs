@@ -6,6 +6,8 @@ use crate::criteria::BAND_ROOM;
 use crate::problem::Problem;
 use crate::recording::Recording;
 use crate::signals::difference;
+use crate::spectrum::smooth;
+use plant::{Effect, Family};
 
 /// Records without the force of effects and elements that the model has from before.
 pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
@@ -24,6 +26,25 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
         .collect()
 }
 
+/// So many bands of the motion are kept where its noise would be made into a force.
+const KEPT_BANDS: f64 = 3.0;
+
+/// Whether a known effect makes a force of the displacement's noise: its rate, and both edges of a gap.
+fn acts_on_steps(base: &Base) -> bool {
+    let feels = |e: Effect| e == Effect::ChannelSkew || e.entry().family == Family::Gap;
+    base.known.iter().any(|e| feels(e.name))
+}
+
+/// The record without the noise of its displacement above a cut-off.
+fn of_smoothed_motion(record: &Recording, cutoff_hz: f64) -> Recording {
+    let interval_s = record.interval_s();
+    let smoothed = |x: &Vec<f64>| smooth(x, interval_s, cutoff_hz).x;
+    Recording {
+        displacement_mm: record.displacement_mm.as_ref().map(smoothed),
+        ..record.clone()
+    }
+}
+
 /// The force of effects and elements that the model has from before, N.
 fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     let bare = Base {
@@ -31,8 +52,11 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
         elements: Vec::new(),
         ..base.clone()
     };
-    let cutoff_hz = UnfilteredSpan::new(record)?.band_hz() * BAND_ROOM;
-    let one = std::slice::from_ref(record);
+    let band_hz = UnfilteredSpan::new(record)?.band_hz();
+    let cutoff_hz = band_hz * BAND_ROOM;
+    let smoothed =
+        acts_on_steps(base).then(|| of_smoothed_motion(record, KEPT_BANDS * band_hz));
+    let one = std::slice::from_ref(smoothed.as_ref().unwrap_or(record));
     let answer = |base| {
         let segment = Problem::new(base, one, cutoff_hz, &[])?
             .segments

@@ -11,7 +11,7 @@ use nalgebra::DVector;
 use std::f64::consts::TAU;
 
 /// Where the mains' line may be, Hz.
-const MAINS_HZ: [f64; 2] = [44.0, 66.0];
+pub const MAINS_HZ: [f64; 2] = [44.0, 66.0];
 /// Harmonics that are looked for: transformers and rectifiers make even and odd ones.
 const HARMONICS: usize = 8;
 /// A harmonic is compared with what lies this near to it, Hz.

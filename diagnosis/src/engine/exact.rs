@@ -1,0 +1,47 @@
+//! Where a model leaves nothing but noise, every sample counts: the rig is one of the table, and those that leave more than noise
+//! allows are not it.
+//!
+//! The score takes a record for a few samples, since what is left is mostly the error of a law. That is not so where the best model
+//! leaves noise: there a spring that stiffens by nothing is no rival of a gain, however much alike their blocks are.
+
+use super::score::LEAVES_NOISE;
+use super::specimen::{SpecimenData, SpecimenModelFit};
+use rayon::prelude::*;
+
+/// Some model leaves less structure than this share of the noise: the rig is one of the table.
+const ONE_OF_THE_TABLE: f64 = 0.5;
+/// So many samples count as one: noise is not white, and a law not exact.
+const COUNT_AS_ONE: f64 = 8.0;
+/// More than this, nats, no samples say against a model.
+const AT_MOST: f64 = 16.0;
+
+impl SpecimenData<'_> {
+    /// Has all samples speak against models of one law that leave more than the best one of these, where that leaves noise. Whether
+    /// there are two laws they do not say: a motion without its noise turns a little sooner or later, and a second law takes that.
+    pub fn weigh_samples(&self, fits: &mut [SpecimenModelFit]) {
+        let one = |f: &&SpecimenModelFit| f.terms.len() == 1;
+        let near = |f: &SpecimenModelFit| one(&f) && f.evidence.left_rms() < LEAVES_NOISE;
+        let left = fits.iter().filter(one).map(|f| f.evidence.left_rms());
+        if left.fold(f64::INFINITY, f64::min) > ONE_OF_THE_TABLE {
+            return;
+        }
+        let costs: Vec<Option<(f64, usize)>> = fits
+            .par_iter()
+            .map(|f| near(f).then(|| self.settled_cost(f)))
+            .collect();
+        let samples = self.target().len() as f64;
+        let least = costs.iter().flatten().map(|c| c.0);
+        // The noise of this record, where a rest told another.
+        let own = (least.fold(f64::INFINITY, f64::min) / samples).max(1.0);
+        let counted = samples / COUNT_AS_ONE;
+        let against = |(cost, unknowns): (f64, usize)| {
+            0.5 * cost / own / COUNT_AS_ONE + 0.5 * unknowns as f64 * counted.ln()
+        };
+        let all: Vec<Option<f64>> = costs.into_iter().map(|c| c.map(against)).collect();
+        let best = all.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        for (fit, against) in fits.iter_mut().zip(all).filter(|f| f.0.terms.len() == 1) {
+            let against = against.map_or(AT_MOST, |a| a - best);
+            fit.evidence.against = against.clamp(0.0, AT_MOST);
+        }
+    }
+}
