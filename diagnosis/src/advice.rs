@@ -3,7 +3,6 @@
 use crate::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
 use crate::base::Base;
 use crate::criteria::REACH;
-use crate::joint::{Doubt, SpecimenOutcome, SpecimenResult};
 use crate::noise::Noise;
 use crate::signals::{difference, mean};
 use plant::{Channel, Effect, Family};
@@ -186,73 +185,9 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
         );
         notes.push(experiment(first.name).to_owned());
     }
-    notes
-}
-
-/// Sentences on what a joint search came to.
-pub fn joint_search(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<String> {
-    let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
-    let unit = &answer.unit;
-    let mut notes = Vec::new();
-    match answer.verdict {
-        Verdict::None => notes.push(format!(
-            "No element beside the declared specimen and no parameter outside its tolerance is worth its price: what is \
-             left is {before:.4} {unit} rms."
-        )),
-        Verdict::Unknown => notes.push(format!(
-            "What the declared specimen leaves ({before:.4} {unit} rms) has no name that can be vouched for on data that \
-             took no part; nothing is added to the model."
-        )),
-        _ => notes.push(format!(
-            "Beside the declared specimen, elements of free strength lower the held-out error from {before:.4} to \
-             {after:.4} {unit} rms."
-        )),
-    }
-    notes.extend(damping(answer, &found.outcome));
     notes.extend(shared_stiffness(answer));
-    match &found.outcome {
-        SpecimenOutcome::Named(explained, true) if explained.damping.is_empty() => notes.push(
-            "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
-                .into(),
-        ),
-        SpecimenOutcome::Set(..) if answer.verdict == Verdict::Ambiguous => {
-            notes.push(
-                "These data do not tell which member of the set it is: in the place of the first each fits as well or nearly \
-                 so, or is the same force within what is known of either law. The model has the first."
-                    .into(),
-            );
-            if let Some(first) = answer.effects.first() {
-                notes.push(experiment(first.name).to_owned());
-            }
-        }
-        _ => {}
-    }
-    notes.extend(
-        found
-            .doubts
-            .iter()
-            .map(|&(name, doubt)| in_doubt(name, doubt)),
-    );
+    notes.extend(one_change(answer, true));
     notes
-}
-
-/// Why a name is not given although no other name comes near it, and which motion would tell.
-fn in_doubt(name: Effect, doubt: Doubt) -> String {
-    let (rival, test) = match doubt {
-        Doubt::Forgets => (
-            "a force without any memory, some function of displacement and speed, does nearly as well",
-            "Faster and slower cycles of the same size, with smaller ones inside them, would show which.",
-        ),
-        Doubt::Changes => (
-            "a spring and a damper that change while the test goes on do nearly as well",
-            "The first cycles once more at its end would show which.",
-        ),
-        Doubt::OtherFunction => (
-            "another function of the same variable takes much more",
-            "A slow ramp over the whole range would draw it.",
-        ),
-    };
-    format!("No other name comes near {name}, yet it is not given: {rival}. {test}")
 }
 
 /// Of a spring that is far from its declaration since an element that gives way stands beside it: what they are together.
@@ -275,38 +210,7 @@ fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
     ))
 }
 
-/// Of more damping than declared beside a name: that the two figures are one, or what else it may be.
-fn damping(answer: &ChannelAnswer, outcome: &SpecimenOutcome) -> Option<String> {
-    let SpecimenOutcome::Named(explained, _) = outcome else {
-        return None;
-    };
-    let refitted = answer.refitted.iter().find(|r| r.name == DAMPING)?;
-    let (value, declared) = (refitted.value, refitted.declared);
-    if answer.effects.len() > 1
-        && answer
-            .effects
-            .iter()
-            .any(|e| e.name == Effect::ViscousDamping)
-    {
-        return None;
-    }
-    if value - declared <= REACH * refitted.tolerance {
-        return None;
-    }
-    let names: Vec<&str> = explained.damping.iter().map(|e| e.name()).collect();
-    let candidates = match names.split_last() {
-        Some((last, [])) => format!("{last}, or something without a name"),
-        Some((last, others)) => format!("{} or {last}", others.join(", ")),
-        None => "a dashpot or something else that grows with speed".into(),
-    };
-    Some(format!(
-        "Beside it the model has {value:.3} N s/mm of damping, where {declared:.3} are declared. It may be {candidates}; these \
-         data do not tell. Two speeds at one amplitude would."
-    ))
-}
-
-/// Names of declared parameters.
-const DAMPING: &str = "damping_n_s_per_mm";
+/// Name of a declared parameter.
 const STIFFNESS: &str = "stiffness_n_per_mm";
 
 /// What to measure next, to tell an effect from those that look like it.

@@ -1,5 +1,5 @@
-//! Every threshold of a decision, each with its reason: here those of the joint search and those that stages share, in the
-//! folder those of one stage. What only sets a computation's effort or accuracy stands beside it.
+//! Every threshold of a decision, each with its reason: here those that stages share, in the folder those of one stage; those of the
+//! engine stand in its files. What only sets a computation's effort or accuracy stands beside it.
 
 pub mod actuator;
 pub mod coordinates;
@@ -17,8 +17,6 @@ pub const MOST_ELEMENTS: usize = 4;
 /// What an element of one shape must lower the logarithm of the cross-validated squares by: some 15 % of the squares,
 /// the scatter of one block's share.
 pub const PENALTY: f64 = 0.16;
-/// Two sets fit alike whose logarithms of the cross-validated squares differ by less: half of a price.
-pub const ALIKE: f64 = 0.5 * PENALTY;
 /// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
 pub const FLOOR: f64 = 0.01;
 /// Declared parameters are held within so many tolerances.
@@ -36,10 +34,6 @@ pub const CUTOFF_HOLDS: f64 = 3.0;
 /// Share of the speed's power that ends the band of the motion.
 pub const BAND_POWER: f64 = 0.9;
 
-/// The best of so many sets are carried on.
-pub const LEADING: usize = 12;
-/// Shapes of so many sets are moved to their best.
-pub const POLISHED: usize = 3;
 /// Samples that a search makes do with, as long as they show the band: averages of neighbours lose nothing else.
 pub const SEARCHED: usize = 6000;
 /// Samples a cycle of the cut-off that averaging leaves.
@@ -61,14 +55,19 @@ pub const FRICTION_SPEED: f64 = 0.08;
 
 /// A name takes at least this share off the held-out error: less is within what two runs of one test differ by.
 pub const WORTH_A_NAME: f64 = 0.05;
-/// A name is given where rivals of every other kind leave so many times the squares (`joint/certificate.rs`: the table
-/// of false names among 300 simulated and 43 real records).
+/// A name of an actuator is given where rivals of every other kind leave so many times the squares (a table of false names among
+/// 300 simulated and 43 real records).
 pub const CERTAIN: f64 = 2.0;
 /// Expected share of false names by how many times the squares the best rival, or a free function, leaves, at least; below the
 /// last, [`LEAST_SURE`]. The first is the bound of 95 % (Clopper and Pearson) of 0 false of 74 on drawn field rigs whose false
 /// names had been mended, the second leaves as much room for the 16 between 2 and 3 (docs/diagnosis-exam.md). No sample of rigs
 /// like a stranger's is large enough to promise less.
 pub const FALSE_NAMES: [(f64, f64); 4] = [(3.0, 0.04), (2.0, 0.1), (1.5, 0.15), (1.2, 0.25)];
+/// Expected share of false names among all that are given where rivals leave so many times the squares, or more.
+pub fn expected_false(rivals_leave: f64) -> f64 {
+    let row = FALSE_NAMES.iter().find(|row| rivals_leave >= row.0);
+    row.map_or(LEAST_SURE, |row| row.1)
+}
 /// Share of answers with a verdict beside or behind which something was missing that they did not name: `k + 1` of `n + 2`, of
 /// the specimens of 37 rigs that somebody else simulated and tried blind, as a laboratory would (1 of 9, 1 of 10, 0 of 5, 8 of 8
 /// and 5 of 8).
@@ -84,8 +83,6 @@ pub const LEAST_SURE: f64 = 0.4;
 /// The least expected share of false names of effects tried one by one against a known noise, of those that leave nothing
 /// but noise and of those that leave more; more where a rival leaves little more ([`FALSE_NAMES`]).
 pub const FALSE_SINGLES: [f64; 2] = [0.04, 0.1];
-/// Beside an unnamed rest of all other kinds an element must still lower the squares by this share.
-pub const BESIDE_THE_REST: f64 = 0.03;
 /// A set of more names says nothing.
 pub const LARGEST_SET: usize = 5;
 /// Two causes cannot be told apart whose forces differ by less than this many variances of the noise, all samples taken
@@ -97,17 +94,9 @@ pub const ACCOUNTS: f64 = 0.3;
 pub const NOISE: f64 = 1.3;
 /// What leaves more than so many times a noise that a rest has told does not account for the record, however much it took.
 pub const BESIDE_NOISE: f64 = 3.0;
-/// A name from single effects stands although it leaves more than [`NOISE`] only where elements searched jointly leave at
-/// least this share of the same held-out error: one flexible effect beats the right pair in every search that is greedy.
-pub const JOINT_LEAVES: f64 = 0.85;
-/// The same where the joint search has the same name and lets a declared parameter go beside it: a name alone gives way to
-/// itself with a dashpot.
-pub const SAME_NAME_LEAVES: f64 = 0.95;
 /// The odds of two members of a set are the ratio of their squares to this power: with 4 a rival that leaves 1.3 times
 /// the squares is right once in four, as on real records.
 pub const WEIGHT: f64 = 4.0;
-/// Up to so many times the border between friction and damping an element is no rival of friction: it is nearly that.
-pub const NEARLY: f64 = 1.7;
 /// Yield, over half the range, up to which hysteresis may be the give of a sliding contact: a lip seal gives tenths of a
 /// millimetre, a fifth of a stroke of a few, and friction that gives smoothly (Dahl's law) is Bouc-Wen's equation with
 /// equal rates out and back. Between this and [`FRICTION_YIELD`] friction and hysteresis are a set, whichever fits.
@@ -117,8 +106,6 @@ pub const MAY_BE_FRICTION: f64 = 0.2;
 pub const MAY_BE_BRISTLES: f64 = 0.5;
 /// Exponent below which a Bouc-Wen element may be Dahl's friction, whose exponent is 1.
 pub const BRISTLES: f64 = 1.5;
-/// A rival that leaves less than this share of the squares gets no more odds for it.
-pub const LEAST_TIMES: f64 = 0.8;
 /// A member of a set that is less probable is not worth a line.
 pub const LEAST_PROBABLE: f64 = 0.02;
 /// A set whose model leaves more than this share of the held-out error says nothing: anything takes off a little.

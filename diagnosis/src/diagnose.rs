@@ -4,7 +4,6 @@ mod actuator_search;
 mod by_engine;
 mod channel;
 mod corners;
-mod curve;
 mod found;
 mod held_out;
 mod hum;
@@ -12,28 +11,22 @@ mod noise_floor;
 mod obstacle;
 mod refit;
 mod residual;
-mod specimen_search;
 mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
 use crate::criteria::single::KNOWN;
-use crate::criteria::{ACCOUNTS, BLOCKS, JOINT_LEAVES, NOISE, REACH, SAME_NAME_LEAVES};
-use crate::engine::Engine;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
 use crate::known_actuator::KnownActuator;
 use crate::model::Model;
-use crate::noise::{Noise, NoiseSource};
+use crate::noise::hum::MAINS_HZ;
 use crate::problem::{FittedEffect, Problem};
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::rms;
-use crate::{
-    advice, anomalies, input, interpretation, joint, plausible, remainder, rest, spectrum, wear,
-};
+use crate::{advice, anomalies, input, interpretation, plausible, remainder, spectrum, wear};
 use channel::ChannelDiagnosis;
-use plant::{Channel, Effect, Family};
+use plant::{Channel, Family};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
@@ -63,20 +56,6 @@ pub fn diagnose(
     test: &[Recording],
     rest: &[Recording],
 ) -> Result<Diagnosis, Refusal> {
-    diagnose_by(Engine::default(), model, train, test, rest)
-}
-
-/// The same by one of the engines.
-///
-/// # Errors
-/// As [`diagnose`].
-pub fn diagnose_by(
-    engine: Engine,
-    model: &Model,
-    train: &[Recording],
-    test: &[Recording],
-    rest: &[Recording],
-) -> Result<Diagnosis, Refusal> {
     let begin = Instant::now();
     model.check()?;
     if model.coupled.is_some() {
@@ -94,7 +73,6 @@ pub fn diagnose_by(
     let mut known_actuator = None;
     for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
         let channel = ChannelDiagnosis {
-            engine,
             base,
             train,
             test,
@@ -105,7 +83,6 @@ pub fn diagnose_by(
         channel.doubt_none(&mut answer);
         channel.excuse_corners(&mut answer);
         actuator_search::limit_floor(&mut answer, f64::INFINITY);
-        channel.add_rounded_rival(&mut answer);
         let lines = channel.lines_in_place_of_noise(&mut answer);
         channel.analyse_residual(&mut answer, lines);
         channel.note_disturbances(&mut answer);
@@ -174,7 +151,7 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     let scales = &settled.problem.scales;
     let residual = settled.problem.residuals(&[], scales);
     let longest = residual.iter().max_by_key(|r| r.len())?;
-    spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
+    spectrum::line_hz(longest, scales.interval_s, MAINS_HZ[0], MAINS_HZ[1]).map(|l| l.0)
 }
 
 impl ChannelDiagnosis<'_> {
@@ -241,37 +218,21 @@ impl ChannelDiagnosis<'_> {
         let Some(problem) = self.problem(self.train, cutoff_hz) else {
             return (self.not_assessed("a signal is missing"), None);
         };
-        let noise = self.noise(cutoff_hz);
-        let specimen = self.base.channel == Channel::Specimen;
-        if specimen && let Some(noise) = &noise {
-            let settled = settle(&problem, &self.base, noise, &[]);
-            if let Some(settled) = settled.filter(|s| self.is_quantisation_only(s, noise)) {
-                let nothing = Explanation::nothing(settled);
-                return (self.answer(&nothing, noise, cutoff_hz, improved), None);
-            }
-        }
-        if specimen
-            && self.engine == Engine::One
-            && let Some(answer) = self.specimen_by_engine(improved)
-        {
-            return (answer, None);
-        }
-        // Where nothing tells how near an effect is to the noise, rivals have to.
-        // Repeats tell it, but a motion that repeats itself is poor: everything that it brings about repeats, too.
-        let told = |n: &Noise| n.from == NoiseSource::Rest;
-        if specimen
-            && !noise.as_ref().is_some_and(told)
-            && let Some(answer) = self.joint_specimen_search(noise.as_ref(), improved)
-        {
-            return (answer, None);
-        }
-        let Some(noise) = noise else {
+        let Some(noise) = self.noise(cutoff_hz) else {
             return (self.errors_without_verdict(&problem, cutoff_hz), None);
         };
-        let explanation = settle(&problem, &self.base, &noise, &[]).and_then(|mut settled| {
-            if self.is_quantisation_only(&settled, &noise) {
-                return Some(Explanation::nothing(settled));
-            }
+        let settled = settle(&problem, &self.base, &noise, &[]);
+        let steps = |s: &Solution| self.is_quantisation_only(s, &noise);
+        if let Some(settled) = settled.clone().filter(steps) {
+            let nothing = Explanation::nothing(settled);
+            return (self.answer(&nothing, &noise, cutoff_hz, improved), None);
+        }
+        if self.base.channel == Channel::Specimen {
+            let answer = self.specimen_by_engine(improved);
+            let none = || self.errors_without_verdict(&problem, cutoff_hz);
+            return (answer.unwrap_or_else(none), None);
+        }
+        let explanation = settled.and_then(|mut settled| {
             settled.problem.scales.line_hz = line_hz(&settled);
             explain(settled, &self.base, &noise)
         });
@@ -279,22 +240,9 @@ impl ChannelDiagnosis<'_> {
             let why = "the declared parameters cannot be told apart in this record";
             return (self.not_assessed(why), None);
         };
-        if specimen && explanation.vetoed {
-            let mut with = improved.clone();
-            let joined = self.joint_specimen_search(Some(&noise), &mut with);
-            // With a known noise a name or a set must account for the record.
-            let accounts = |a: &ChannelAnswer| {
-                let share = ACCOUNTS * a.error_before.test_rms;
-                !a.effects.is_empty() && a.error_after.test_rms <= share.max(NOISE * noise.rms)
-            };
-            if let Some(answer) = joined.filter(accounts) {
-                *improved = with;
-                return (answer, None);
-            }
-        }
         let mut with = improved.clone();
         let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
-        if self.base.channel == Channel::Actuator && self.base.known.is_empty() {
+        if self.base.known.is_empty() {
             let stands = self.leaves_noise_only(&answer, &noise, explanation.structured[1]);
             // Motion is lost in a valve, in a linkage and to friction: the valve's is only in the joint search.
             let lost = |e: &FoundEffect| matches!(e.family, Family::Friction | Family::Gap);
@@ -314,10 +262,6 @@ impl ChannelDiagnosis<'_> {
                 }
             }
         }
-        if let Some((answer, model)) = self.better_joined(&answer, &noise, improved) {
-            *improved = model;
-            return (answer, None);
-        }
         *improved = with;
         let mut solution = explanation.after;
         // What disturbs the reading does not move the specimen.
@@ -325,90 +269,5 @@ impl ChannelDiagnosis<'_> {
         solution.effects.retain(|e| !disturbs(e));
         let known = !explanation.vetoed && explanation.structured[1] < KNOWN * noise.rms;
         (answer, known.then_some(solution))
-    }
-
-    /// The answer of the joint search in place of one of single effects that leaves more than noise: where it leaves clearly
-    /// less on held-out data, and where it does as well and does not vouch for the same name. A single name that the joint
-    /// search could have given and does not even hold possible is none.
-    fn better_joined(
-        &self,
-        single: &ChannelAnswer,
-        noise: &Noise,
-        improved: &Model,
-    ) -> Option<(ChannelAnswer, Model)> {
-        let named = matches!(
-            single.verdict,
-            Verdict::Effect | Verdict::Partial | Verdict::Ambiguous
-        );
-        let left = single.error_after.test_rms;
-        if self.base.channel != Channel::Specimen || !named || left <= NOISE * noise.rms {
-            return None;
-        }
-        let mut model = improved.clone();
-        let joined = self.joint_specimen_search(Some(noise), &mut model)?;
-        let explains = !joined.effects.is_empty();
-        let leaves = self.error_ratio(&joined, single);
-        if explains && leaves < JOINT_LEAVES {
-            return Some((joined, model));
-        }
-        let names = |a: &ChannelAnswer| -> Vec<Effect> {
-            a.effects
-                .iter()
-                .map(|e| e.name)
-                .chain(a.alternatives.iter().copied())
-                .collect()
-        };
-        let (own, other) = (names(single), names(&joined));
-        // The same name with a declared parameter let go beside it: it was held where it is wrong.
-        let lets_go = |r: &Refitted| (r.value - r.declared).abs() > (REACH + 0.1) * r.tolerance;
-        let the_same = own.iter().all(|n| other.contains(n));
-        if explains && the_same && leaves < SAME_NAME_LEAVES && joined.refitted.iter().any(lets_go)
-        {
-            return Some((joined, model));
-        }
-        let vouched = joined.verdict != Verdict::Ambiguous && the_same;
-        if vouched || !own.iter().all(|n| joint::can_say(*n)) {
-            return None;
-        }
-        if explains && leaves * JOINT_LEAVES < 1.0 {
-            return Some((joined, model));
-        }
-        let nearest = single.effects.first().map(|e| Nearest {
-            name: e.name,
-            explained: 1.0 - (left / single.error_before.test_rms.max(f64::MIN_POSITIVE)).powi(2),
-        });
-        (!explains).then(|| {
-            let unknown = ChannelAnswer {
-                verdict: Verdict::Unknown,
-                nearest,
-                ..joined
-            };
-            (unknown, improved.clone())
-        })
-    }
-
-    /// Error of one answer over that of another on the first held-out record while it moves (in a rest friction holds any
-    /// force): each block has one vote.
-    fn error_ratio(&self, answer: &ChannelAnswer, other: &ChannelAnswer) -> f64 {
-        let whole = answer.error_after.test_rms / other.error_after.test_rms;
-        let Some(moving) = self.test.first().map(rest::without) else {
-            return whole;
-        };
-        let left = |a: &ChannelAnswer, times: &[f64]| {
-            let (from, to) = (times[0], times[times.len() - 1]);
-            let t = &a.traces;
-            let all = t.time_s.iter().zip(&t.measured).zip(&t.after);
-            let here = all.filter(|((time, _), _)| (from..=to).contains(*time));
-            rms(&[here.map(|((_, y), model)| y - model).collect()])
-        };
-        let blocks = moving.time_s.chunks(moving.time_s.len().div_ceil(BLOCKS));
-        let votes: Vec<f64> = blocks
-            .map(|times| (left(answer, times) / left(other, times)).ln())
-            .filter(|vote| vote.is_finite())
-            .collect();
-        if votes.is_empty() {
-            return whole;
-        }
-        (votes.iter().sum::<f64>() / votes.len() as f64).exp()
     }
 }

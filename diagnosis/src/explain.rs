@@ -7,12 +7,12 @@ use crate::criteria::single::{
 };
 use crate::fit::{Frame, Solution, settle};
 use crate::library::candidate::Candidate;
-use crate::library::{KNEE, candidates};
+use crate::library::candidates;
 use crate::noise::Noise;
 use crate::polish::{Shaped, polish};
 use crate::problem::{FittedEffect, Problem};
 use crate::signals::rms;
-use crate::{simpler, sliding};
+use crate::simpler;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
@@ -126,8 +126,6 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     }
     out.after = first.clone();
     out.alternatives = alternatives(&singles, out.before.cost, ln_n);
-    out.alternatives
-        .extend(search.softening_rival(&first, &out.before, ln_n));
     let now = first_left;
     if now > (MATTERS * noise.rms).max(0.1 * start)
         && let Some((pair, others)) = search.second(&first, &singles, &library, ln_n, left)
@@ -137,12 +135,6 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
         if gain(&first, &pair) > EVIDENCE && more > SECOND * start && pair_left < 0.5 * now {
             (out.after, out.alternatives) = (pair, others);
         }
-    }
-    let as_well = |s: &Solution, than: &Solution| score(s, ln_n) < score(than, ln_n) + room(than);
-    if let Some(late) = simpler::late_beside_declared(&out.after, base, noise)
-        && as_well(&late, &out.after)
-    {
-        out.after = late;
     }
     if let Some(plain) = simpler::plain_friction(&out.after, base, noise) {
         out.after = plain;
@@ -158,9 +150,6 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     let now = structured(left(&out.after), noise);
     out.structured[1] = now;
     out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
-    if let Some(sliding) = sliding::read(&out.after, base, noise) {
-        out.after = sliding;
-    }
     Some(out)
 }
 
@@ -296,19 +285,6 @@ impl<'a> EffectSearch<'a> {
         others.sort();
         others.dedup();
         Some((polish(chosen, self.base, self.noise), others))
-    }
-
-    /// Of a force that ends at a limit: a spring that gives way at a displacement, where it fits as well. Only damping and mass,
-    /// which a clipped channel clips, too, tell the two apart.
-    fn softening_rival(&self, first: &Solution, before: &Solution, ln_n: f64) -> Option<Effect> {
-        let own = first.effects.first()?.candidate;
-        if own.effect != Effect::Saturation || own.channel != Channel::Specimen {
-            return None;
-        }
-        let rivals = self.best_with(&[], &[KNEE], before);
-        let most = score(first, ln_n) + room(first);
-        let rival = rivals.first().filter(|s| score(s, ln_n) < most)?;
-        Some(rival.effects[0].candidate.effect)
     }
 }
 

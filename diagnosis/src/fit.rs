@@ -270,9 +270,6 @@ pub struct Solution {
     pub unknowns: usize,
     /// White samples.
     pub samples: usize,
-    /// The solution over all samples, where this one comes from those in which friction slides: these do not tell in which way
-    /// it builds up.
-    pub whole: Option<Box<Self>>,
 }
 
 /// Moves the declared parameters (and the amplitudes of `effects`, whose shapes stay) to their best, linear again and
@@ -345,6 +342,5 @@ pub fn settle(
         cost: found.cost,
         unknowns,
         samples,
-        whole: None,
     })
 }

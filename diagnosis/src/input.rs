@@ -5,7 +5,6 @@ use crate::answer::{ChannelAnswer, Member, Verdict};
 use crate::base::Base;
 use crate::criteria::specimen::TOGETHER;
 use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
-use crate::joint::outcome::commonness;
 use crate::recording::{Recording, range};
 use crate::spectrum::{Density, motion_band_hz, smooth};
 use plant::{Channel, Effect, Family};
@@ -278,6 +277,19 @@ pub fn alike(moments: &[(f64, f64, f64)]) -> f64 {
     let both = sum(&|x, y| (x - a) * (y - b));
     let own = sum(&|x, _| (x - a) * (x - a)) * sum(&|_, y| (y - b) * (y - b));
     both * both / own.max(f64::MIN_POSITIVE)
+}
+
+/// How often a cause is met among those that fit a specimen's record equally well, relative to friction: every machine
+/// has that; a filter or a change with time fits many records and is the cause of few.
+fn commonness(name: Effect) -> f64 {
+    match name.entry().family {
+        Family::Friction => 1.0,
+        Family::Hysteresis | Family::Calibration => 0.7,
+        Family::Damping if name == Effect::MaxwellDamper => 0.25,
+        Family::Damping => 1.0,
+        Family::Slow => 0.1,
+        _ => 0.5,
+    }
 }
 
 /// Makes a set of every name that the motion cannot tell from others, and says so.

@@ -2,7 +2,7 @@
 
 use crate::advice::four;
 use crate::answer::FoundEffect;
-use crate::joint::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
+use crate::specimen::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 use plant::{Effect, Family};
 
 /// Exponents of speed that are in proportion for all that is meant by it.

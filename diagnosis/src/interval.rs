@@ -20,21 +20,6 @@ const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// The parameters of each effect of a solution.
 pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<ParameterEstimate>> {
-    let own = of_its_samples(solution, base, noise);
-    let Some(whole) = &solution.whole else {
-        return own;
-    };
-    let all = of_its_samples(whole, base, noise);
-    let which = |(own, all): (ParameterEstimate, ParameterEstimate)| {
-        if own.0 == "presliding_mm" { all } else { own }
-    };
-    let pairs = own.into_iter().zip(all);
-    pairs
-        .map(|(own, all)| own.into_iter().zip(all).map(which).collect())
-        .collect()
-}
-
-fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<ParameterEstimate>> {
     let scales = solution.problem.scales;
     let values = |effects: &[FittedEffect], which: usize| {
         let e = &effects[which];

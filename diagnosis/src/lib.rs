@@ -29,7 +29,6 @@ mod improved;
 mod input;
 mod interpretation;
 mod interval;
-mod joint;
 mod known_actuator;
 mod library;
 mod linear;
@@ -48,7 +47,7 @@ mod segment;
 mod sensitivity;
 mod signals;
 mod simpler;
-mod sliding;
+mod specimen;
 mod spectrum;
 mod stamps;
 mod travel;
@@ -65,8 +64,7 @@ pub use coupled::{
     CoupledVerdict, MATRICES, WrongEntry, diagnose_coupled,
 };
 pub use declared::Declared;
-pub use diagnose::{Diagnosis, diagnose, diagnose_by};
-pub use engine::Engine;
+pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next};

@@ -1,9 +1,9 @@
 //! An element in a model file.
 
-use crate::joint::element::{Element, Law};
-use crate::joint::track::{MotionScales, Track};
 use crate::refusal::Refusal;
 use crate::signals::Signals;
+use crate::specimen::element::{Element, Law};
+use crate::specimen::track::{MotionScales, Track};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -9,10 +9,7 @@ use crate::library::candidates;
 use crate::noise::Noise;
 use crate::polish::{Shaped, polish};
 use crate::problem::FittedEffect;
-use plant::{Channel, Effect};
-
-/// Place of the damping among a specimen's declared parameters.
-const DAMPING: usize = 1;
+use plant::Effect;
 
 /// Fitted again with other effects.
 fn again(s: &Solution, base: &Base, noise: &Noise, effects: &[Shaped]) -> Option<Solution> {
@@ -56,26 +53,6 @@ pub fn told(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
         return None;
     }
     again(s, base, noise, &shaped(&stay))
-}
-
-/// A force that is read late beside the damping as it was declared: on a specimen that is nearly a spring the two are one
-/// phase, and what was declared is known from elsewhere.
-pub fn late_beside_declared(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
-    let late = |e: &FittedEffect| e.candidate.effect == Effect::ChannelSkew;
-    if base.channel != Channel::Specimen || !s.effects.iter().any(late) {
-        return None;
-    }
-    let mut held = base.clone();
-    held.free.retain(|f| f.index != DAMPING);
-    let mut problem = s.problem.clone();
-    let mut theta = problem.theta;
-    theta[DAMPING] = base.values[DAMPING];
-    problem.set(base, theta);
-    let begin = Solution {
-        problem,
-        ..s.clone()
-    };
-    again(&begin, &held, noise, &shaped(&s.effects))
 }
 
 /// Whether readings lie beyond a limit of this solution, where nothing passes: it is none.

@@ -3,7 +3,7 @@
 
 mod rig;
 
-use diagnosis::{ChannelAnswer, Engine, Recording, Verdict, diagnose_by};
+use diagnosis::{ChannelAnswer, Recording, Verdict, diagnose};
 use plant::{Channel, Effect, EffectSpec};
 
 /// Noise of the rig's force, N: 10 N of the load cell and 0.01 mm times 1000 N/mm.
@@ -11,7 +11,7 @@ const NOISE_N: f64 = 14.1;
 
 fn specimen(train: &Recording, test: &Recording) -> ChannelAnswer {
     let [train, test] = [train, test].map(std::slice::from_ref);
-    let found = diagnose_by(Engine::One, &rig::model(), train, test, &[]).unwrap();
+    let found = diagnose(&rig::model(), train, test, &[]).unwrap();
     let own = |a: &ChannelAnswer| a.channel == Channel::Specimen;
     let answer = found.channels.into_iter().find(own).unwrap();
     println!(

@@ -5,7 +5,6 @@
 #[path = "../examples/field/sit.rs"]
 mod sit;
 
-use diagnosis::Engine;
 use exam::devices::{devices, set_device};
 use exam::field::{Field, Mark, causes, set_field};
 use rayon::prelude::*;
@@ -13,9 +12,7 @@ use sit::{Sat, answer, model, recordings};
 
 fn all(set: fn(u64) -> Field, seeds: std::ops::Range<u64>) -> Vec<Sat> {
     let seeds = seeds.into_par_iter();
-    let all: Vec<Sat> = seeds
-        .map(|seed| answer(set(seed), Engine::default()))
-        .collect();
+    let all: Vec<Sat> = seeds.map(|seed| answer(set(seed))).collect();
     for s in all
         .iter()
         .filter(|s| !matches!(s.mark, Mark::Right | Mark::Set))
@@ -84,7 +81,7 @@ fn names_that_free_functions_reach_are_not_given() {
     let wrong = [Mark::Wrong, Mark::WrongSet, Mark::Overclaimed];
     let seeds = ONCE_FALSE.into_par_iter();
     for s in seeds
-        .map(|seed| answer(set_field(seed), Engine::default()))
+        .map(|seed| answer(set_field(seed)))
         .collect::<Vec<Sat>>()
     {
         assert!(!wrong.contains(&s.mark), "{}: {:?}", s.id, s.said);

@@ -65,7 +65,7 @@ pub fn of_case(case: &Case) -> Vec<Pair> {
 /// The pairs of a simulated rig of the exam; its two records have different excitations.
 pub fn of_rig(class: Class, seed: u64) -> Vec<Pair> {
     let case = exam::set(class, seed, &Options::default());
-    let Ok(found) = examinee::found(&case.paper, diagnosis::Engine::default()) else {
+    let Ok(found) = examinee::found(&case.paper) else {
         return Vec::new();
     };
     let pair = |a: &ChannelAnswer| Pair::of(format!("{}, {}", case.id, a.channel.name()), a);

@@ -1,6 +1,6 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
-use diagnosis::{ChannelAnswer, Engine, Model, Recording, Verdict};
+use diagnosis::{ChannelAnswer, Model, Recording, Verdict};
 use experiment::files::measured::{FilePart, RecordFiles};
 use experiment::files::model;
 use experiment::watch::{WatchReport, agreement, of_record};
@@ -32,9 +32,6 @@ pub struct Case {
     /// The folder of its files.
     #[serde(skip)]
     folder: PathBuf,
-    /// Which searches are asked.
-    #[serde(skip)]
-    pub engine: Engine,
     /// Short name.
     pub id: String,
     /// `actuator` or `specimen`.
@@ -161,8 +158,8 @@ impl Case {
         };
         let (train, test, rest) = (parts(train)?, parts(test)?, parts(&self.rest)?);
         let declared = model::load(&folder.join(&self.model)).map_err(|e| e.to_string())?;
-        let found = diagnosis::diagnose_by(self.engine, &declared, &train, &test, &rest)
-            .map_err(|e| e.to_string())?;
+        let found =
+            diagnosis::diagnose(&declared, &train, &test, &rest).map_err(|e| e.to_string())?;
         let own = found
             .channels
             .into_iter()

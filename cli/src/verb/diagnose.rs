@@ -46,9 +46,6 @@ pub struct Diagnose {
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Which searches name what is missing: `votes` or `one`, the engine that is to replace them
-    #[arg(long, value_name = "ENGINE", default_value = "votes", hide = true)]
-    engine: diagnosis::Engine,
     #[command(flatten)]
     columns: Columns,
     /// One JSON object on standard output and nothing else
@@ -93,7 +90,7 @@ impl Diagnose {
             )));
         }
         let mut diagnosis = terminal::while_waiting("diagnosing", || {
-            diagnosis::diagnose_by(self.engine, &declared, &train, &test, &rest)
+            diagnosis::diagnose(&declared, &train, &test, &rest)
         })
         .map_err(Failure::input)?;
         if self.remainder {

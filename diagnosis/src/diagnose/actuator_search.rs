@@ -4,13 +4,13 @@ use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::base::Base;
 use crate::criteria::actuator::{ABOUT_THE_NOISE, ACCOUNTS, BY_CHANCE, LITTLE, TO_THE_NOISE};
-use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
+use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME, expected_false};
 use crate::drivetrain::{self, ActuatorData, ActuatorFit, ActuatorOutcome};
 use crate::interval::NINETY;
 use crate::model::Model;
 use crate::noise::{Noise, NoiseSource};
 use crate::signals::{difference, nrmse, rms};
-use crate::{advice, interval, joint};
+use crate::{advice, interval};
 use plant::Effect;
 
 /// Errors of a fit on the training data and on the held-out data.
@@ -191,7 +191,7 @@ impl ChannelDiagnosis<'_> {
                     (name, unit, value, [value - half, value + half])
                 });
                 FoundEffect {
-                    q: certificate.map(|c| joint::q(c.rivals_leave)),
+                    q: certificate.map(|c| expected_false(c.rivals_leave)),
                     certificate,
                     ..FoundEffect::new(name, estimates)
                 }

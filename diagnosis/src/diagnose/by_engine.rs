@@ -1,18 +1,17 @@
 //! What the one engine says of a channel, as an answer.
 
 use super::channel::ChannelDiagnosis;
-use super::specimen_search::nearest_of;
 use crate::advice;
-use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Traces, Verdict};
+use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
 use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
 use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Named, Said, SpecimenData};
 use crate::interval;
-use crate::joint;
 use crate::model::Model;
 use crate::noise::hum::without_hum;
 use crate::noise::{Noise, NoiseSource};
 use crate::recording::Recording;
 use crate::signals::{end_of, nrmse, rms};
+use crate::specimen::without_known;
 use plant::Effect;
 
 /// The low-pass of a displacement is nothing from so many times its cut-off on.
@@ -74,8 +73,8 @@ impl ChannelDiagnosis<'_> {
     /// What the one engine says; `None` where a signal is missing or nothing tells the noise.
     pub(super) fn specimen_by_engine(&self, improved: &mut Model) -> Option<ChannelAnswer> {
         let [train, test] = [self.train, self.test].map(without_mains);
-        let train = joint::without_known(&self.base, &train)?;
-        let test = joint::without_known(&self.base, &test)?;
+        let train = without_known(&self.base, &train)?;
+        let test = without_known(&self.base, &test)?;
         let mut data = SpecimenData::new(&self.base, &train, &test)?;
         let half_rate = 0.5 / self.train[0].interval_s();
         let noise = self.noise(data.cutoff_hz.min(half_rate))?;
@@ -271,5 +270,14 @@ impl ChannelDiagnosis<'_> {
             Some(Traces::of(signals.map(|x| judged(x)), [before, after]))
         });
         first.unwrap_or_default()
+    }
+}
+
+/// What a name explains of the held-out squares.
+fn nearest_of(name: Effect, before: &[Vec<f64>], after: &[Vec<f64>]) -> Nearest {
+    let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
+    Nearest {
+        name,
+        explained: (1.0 - share * share).clamp(0.0, 1.0),
     }
 }

@@ -1,7 +1,6 @@
 //! One channel and the records that it is judged by.
 
 use crate::base::Base;
-use crate::engine::Engine;
 use crate::known_actuator::KnownActuator;
 use crate::recording::Recording;
 use plant::Channel;
@@ -10,8 +9,6 @@ use plant::Channel;
 pub struct ChannelDiagnosis<'a> {
     /// The actuator, where it is known well.
     pub known_actuator: Option<KnownActuator>,
-    /// Which searches name what is missing.
-    pub engine: Engine,
     /// What is declared.
     pub base: Base,
     /// Records to search in.

@@ -5,12 +5,12 @@ use crate::advice::four;
 use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::specimen::{CORNER, MOST_CORNERS};
 use crate::criteria::{BAND_ROOM, NOISE};
-use crate::joint;
 use crate::linear::{Normal, dot, solve};
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::rest;
 use crate::signals::{add_columns, rms};
+use crate::specimen::without_known;
 use crate::spectrum::{Motion, motion_band_hz, smooth};
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
@@ -69,7 +69,7 @@ impl ChannelDiagnosis<'_> {
     /// What the declared specimen, within its tolerances, leaves beside the corners of the held-out motion, N rms, and the corners'
     /// share; `None` where that is more than `most` or the motion has nothing but corners.
     fn beside_corners(&self, most: f64) -> Option<(f64, f64)> {
-        let bare = |set| joint::without_known(&self.base, set);
+        let bare = |set| without_known(&self.base, set);
         let (train, test) = (bare(self.train)?, bare(self.test)?);
         let first = train.first()?;
         let (x, h) = (first.displacement_mm.as_ref()?, first.interval_s());

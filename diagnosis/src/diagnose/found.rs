@@ -3,20 +3,17 @@
 use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::base::FreeParameter;
-use crate::criteria::{
-    BESIDE_NOISE, FALSE_SINGLES, FRICTION_YIELD, LEAST_SURE, MAY_BE_FRICTION, REACH,
-    STRIBECK_YIELD, TRANSDUCER,
-};
+use crate::criteria::{FALSE_SINGLES, LEAST_SURE, REACH, expected_false};
 use crate::explain::Explanation;
 use crate::fit::Solution;
 use crate::improved::improve;
 use crate::interval;
 use crate::model::Model;
-use crate::noise::{Noise, NoiseSource};
+use crate::noise::Noise;
 use crate::problem::Problem;
-use crate::recording::{Recording, range};
+use crate::recording::Recording;
 use crate::signals::{nrmse, rms};
-use crate::{advice, converter_step, joint, rest};
+use crate::{advice, converter_step, rest};
 use plant::{Channel, Effect, EffectSpec, Family};
 
 /// The held-out data as a problem, and what an answer leaves of them.
@@ -41,7 +38,7 @@ fn certify(answer: &mut ChannelAnswer, leaves_more: bool) {
     };
     for effect in &mut answer.effects {
         effect.certificate = certificate;
-        let by_rivals = certificate.map_or(0.0, |c| joint::q(c.rivals_leave));
+        let by_rivals = certificate.map_or(0.0, |c| expected_false(c.rivals_leave));
         let q = FALSE_SINGLES[usize::from(leaves_more)].max(by_rivals);
         effect.q = Some(if effect.is_told() { q } else { LEAST_SURE });
     }
@@ -49,28 +46,6 @@ fn certify(answer: &mut ChannelAnswer, leaves_more: bool) {
 
 /// A parameter that is so many tolerances off stands at the end of what it may be.
 const AT_THE_END: f64 = 0.99 * REACH;
-
-/// Half the range of the displacement, mm.
-fn half_range(problem: &Problem) -> f64 {
-    let all = problem.segments.iter().map(|s| s.seen(&s.signals.x));
-    0.5 * range(&all.flatten().copied().collect::<Vec<f64>>())
-}
-
-/// Friction and hysteresis are of one kind, and told apart by where they yield: what yields between the two borders may be
-/// either.
-fn of_one_kind(effect: &FoundEffect, half_mm: f64) -> Option<Effect> {
-    let share = |name: &str| effect.value(name).map(|mm| mm / half_mm);
-    match effect.name {
-        Effect::CoulombFriction => share("presliding_mm").filter(|s| *s > FRICTION_YIELD),
-        Effect::StribeckFriction => share("presliding_mm").filter(|s| *s > STRIBECK_YIELD),
-        Effect::BilinearHysteresis | Effect::BoucWenHysteresis => {
-            let early = share("yield_mm").filter(|s| *s < MAY_BE_FRICTION)?;
-            return (early > 0.0).then_some(Effect::CoulombFriction);
-        }
-        _ => None,
-    }
-    .map(|_| Effect::BilinearHysteresis)
-}
 
 /// Of some names those that an answer does not give itself, each once.
 fn others(given: &[FoundEffect], all: impl Iterator<Item = Effect>) -> Vec<Effect> {
@@ -148,30 +123,20 @@ impl ChannelDiagnosis<'_> {
         if found && !e.vetoed && !worse && possible {
             answer.verdict = Verdict::Effect;
             answer.error_after = after;
-            let half_mm = half_range(&e.after.problem);
             let theta = e.after.problem.theta;
-            let specimen = self.base.channel == Channel::Specimen;
-            let kin = effects.iter().filter(|_| specimen);
-            let kin = kin.filter_map(|e| of_one_kind(e, half_mm));
             let wants = effects
                 .iter()
                 .filter_map(|e| self.rival_at_bound(e.name, &theta));
-            let all = e.alternatives.iter().copied().chain(kin).chain(wants);
+            let all = e.alternatives.iter().copied().chain(wants);
             answer.alternatives = others(&effects, all);
             answer.effects = effects;
             if !answer.alternatives.is_empty() {
                 answer.verdict = Verdict::Ambiguous;
             } else {
                 certify(&mut answer, e.structured[1] > noise.rms);
-                let left = held_after.as_ref().map(|(_, left)| self.while_moving(left));
-                // However much it took: several times a noise that a rest has told is something.
-                let told = noise.from == NoiseSource::Rest && specimen;
-                if told && left.is_some_and(|left| left > BESIDE_NOISE * noise.rms) {
-                    answer.verdict = Verdict::Partial;
-                }
             }
             improve(&self.base, &e.after, &answer.effects, improved);
-        } else if (e.vetoed || found) && !self.within_transducer_error(&before) {
+        } else if e.vetoed || found {
             answer.verdict = Verdict::Unknown;
             answer.nearest = e.nearest.map(|(name, left)| Nearest {
                 name,
@@ -218,12 +183,8 @@ impl ChannelDiagnosis<'_> {
     /// tolerances: it wants more, and is a rival.
     fn rival_at_bound(&self, effect: Effect, theta: &[f64; 4]) -> Option<Effect> {
         let channel = self.base.channel;
-        let alike: &[Effect] = match (channel, effect) {
-            (Channel::Actuator, e) if e.entry().family == Family::Timing => {
-                &[Effect::DelayError, Effect::LagError]
-            }
-            (Channel::Specimen, Effect::ChannelSkew) => &[Effect::ViscousDamping],
-            (Channel::Specimen, Effect::RigCompliance) => &[Effect::GainError],
+        let alike: &[Effect] = match effect.entry().family {
+            Family::Timing => &[Effect::DelayError, Effect::LagError],
             _ => &[],
         };
         alike.iter().copied().find(|rival| {
@@ -231,13 +192,7 @@ impl ChannelDiagnosis<'_> {
             let own = |f: &&FreeParameter| Some(f.index) == at;
             let end = |f: &FreeParameter| {
                 let off = theta[f.index] - self.base.values[f.index];
-                // A dashpot takes work; the displacement of one that is read early gives it.
-                let off = if *rival == Effect::ViscousDamping {
-                    off
-                } else {
-                    off.abs()
-                };
-                off > AT_THE_END * f.tolerance
+                off.abs() > AT_THE_END * f.tolerance
             };
             *rival != effect && self.base.free.iter().find(own).is_some_and(end)
         })
@@ -249,11 +204,6 @@ impl ChannelDiagnosis<'_> {
         let values = effect.parameters.iter().map(|p| (p.name.as_str(), p.value));
         let spec = EffectSpec::new(effect.name, &values.collect::<Vec<_>>());
         effect.family != Family::Slow || spec.in_channel(self.base.channel).check("").is_ok()
-    }
-
-    /// Whether a specimen's model leaves no more than a good load cell is off.
-    fn within_transducer_error(&self, before: &Errors) -> bool {
-        self.base.channel == Channel::Specimen && before.test_nrmse < TRANSDUCER
     }
 
     fn effects(&self, s: &Solution, noise: &Noise) -> Vec<FoundEffect> {

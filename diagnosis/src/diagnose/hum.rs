@@ -40,7 +40,6 @@ impl ChannelDiagnosis<'_> {
         }
         let frequency_hz = *lines_at_rest(x, longest.0).first()?;
         let quiet = ChannelDiagnosis {
-            engine: self.engine,
             known_actuator: None,
             base: self.base.clone(),
             train: &clean_train,

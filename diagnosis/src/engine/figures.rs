@@ -6,12 +6,12 @@ use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::Freedom;
 use crate::answer::ParameterEstimate;
 use crate::interval;
-use crate::joint::SpecimenFit;
-use crate::joint::element::Element;
-use crate::joint::figures::{PRESLIDING, figures};
 use crate::library::candidate::NamedValue;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::specimen::SpecimenFit;
+use crate::specimen::element::Element;
+use crate::specimen::figures::{PRESLIDING, figures};
 use nalgebra::DMatrix;
 use plant::{Channel, Effect, EffectSpec};
 
@@ -69,8 +69,12 @@ struct Figures<'a, 'b> {
 impl Figures<'_, '_> {
     /// Each name with its parameters.
     fn all(&self) -> Vec<(Effect, Vec<ParameterEstimate>)> {
-        let mut names = self.fit.names.clone();
-        names.dedup();
+        let mut names: Vec<Effect> = Vec::new();
+        for name in &self.fit.names {
+            if !names.contains(name) {
+                names.push(*name);
+            }
+        }
         let unknowns = self.unknowns();
         let covariance = self.data.covariance(self.fit, &unknowns);
         let of = |name: Effect| {
@@ -92,7 +96,7 @@ impl Figures<'_, '_> {
         names.into_iter().map(of).collect()
     }
 
-    /// The elements among the terms as the joint search had them, and whose each is.
+    /// The elements among the terms, and whose each is.
     fn elements(&self, fit: &SpecimenModelFit) -> (SpecimenFit, Vec<Effect>) {
         let rows = &self.data.rows;
         let mut elements = Vec::new();
@@ -125,15 +129,13 @@ impl Figures<'_, '_> {
 
     /// The parameters of a name.
     fn values(&self, fit: &SpecimenModelFit, name: Effect) -> Vec<NamedValue> {
-        let own = fit.names.iter().position(|n| *n == name);
-        let Some(first) = own else {
-            return Vec::new();
-        };
-        let term = &fit.terms[first];
-        if let Form::Effect(c) = self.data.rows[term.row].form {
-            let scales = self.data.sizes_of(fit).scales;
-            let shapes = (c.shapes)(&scales).len();
-            return (c.parameters)(&fit.strengths[first], &term.shape[..shapes], &scales);
+        let terms = fit.terms.iter().zip(&fit.strengths).zip(&fit.names);
+        for ((term, strengths), _) in terms.filter(|t| *t.1 == name) {
+            if let Form::Effect(c) = self.data.rows[term.row].form {
+                let scales = self.data.sizes_of(fit).scales;
+                let shapes = (c.shapes)(&scales).len();
+                return (c.parameters)(strengths, &term.shape[..shapes], &scales);
+            }
         }
         let (elements, owners) = self.elements(fit);
         let own: Vec<usize> = (0..owners.len()).filter(|&i| owners[i] == name).collect();

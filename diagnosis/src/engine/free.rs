@@ -6,8 +6,8 @@ use super::gram::judged;
 use super::motion::Motion;
 use super::score::{BLOCKS, Evidence};
 use super::specimen::{SpecimenData, SpecimenModelFit};
-use crate::joint::track::Track;
 use crate::library::operators::{relaxed, slider, travel};
+use crate::specimen::track::Track;
 
 /// What it costs beside a model, nats: it beats a name of the usual 3 where it leaves half of what that leaves.
 const PRICE: f64 = 9.5;

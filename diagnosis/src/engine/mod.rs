@@ -10,21 +10,21 @@
 //! asked      what an answer needs of a channel
 //! ```
 //!
-//! It is asked for by [`Engine::One`]; [`Engine::Votes`] are the searches of before, which it is to replace.
-//!
 //! What it expects of what surrounds it: records that were checked and resampled (`recording`, `plausible`), without what the model
-//! already has (`joint::without_known`); a noise that is the transducer's and the declared model's on it, no disturbance
+//! already has (`specimen::without_known`); a noise that is the transducer's and the declared model's on it, no disturbance
 //! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
 //! a [`SpecimenModelFit`] and its residuals.
 
 mod asked;
 mod bounded;
+mod cutoff;
 mod exact;
 mod figures;
 mod free;
 mod gram;
 mod law;
 mod motion;
+mod one_each;
 mod polish;
 mod posterior;
 mod row;
@@ -37,6 +37,7 @@ mod unknowns;
 mod verdict;
 
 pub use asked::{Asked, Found};
+pub use one_each::one_each;
 pub use posterior::Candidate;
 pub use specimen::{SpecimenData, SpecimenModelFit};
 pub use verdict::{Named, Said};
@@ -44,28 +45,6 @@ pub use verdict::{Named, Said};
 use plant::{Effect, Family};
 use rayon::prelude::*;
 use specimen::Term;
-
-/// Which searches name what is missing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Engine {
-    /// Single effects, elements searched jointly and the actuator's parts, and what arbitrates between them.
-    Votes,
-    /// One vocabulary, one score, one search, a posterior and a verdict.
-    #[default]
-    One,
-}
-
-impl std::str::FromStr for Engine {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "votes" => Ok(Self::Votes),
-            "one" => Ok(Self::One),
-            _ => Err(format!("`{text}` is no engine: accepted are one and votes")),
-        }
-    }
-}
 
 /// Models whose shapes are moved to their best.
 const POLISHED: usize = 24;
@@ -146,10 +125,7 @@ fn polished(
 ) -> Option<Vec<SpecimenModelFit>> {
     let best = found.first()?.evidence.score();
     let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
-    let term = |&a: &usize| Term {
-        row: atoms[a].row,
-        shape: atoms[a].shape,
-    };
+    let term = |&a: &usize| Term::of(&atoms[a]);
     let mut starts: Vec<Vec<Term>> = found
         .iter()
         .filter(near)
@@ -211,19 +187,25 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
         data.rows[term.row].other_name(term.shape, fit.names[i], &data.sizes)
     };
     // Friction beside hysteresis that yields as early as friction may is one thing that slides, whose knee is round.
-    let early = |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
+    let early =
+        |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
     let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
+    let only_a_spring = data.is_only_a_spring(&fit);
     // A filter of a higher order is late, and leads or lags with the square of the frequency, as a mass does.
-    let kg_of_a_filter = data.late_s(&fit).map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
+    let kg_of_a_filter = data
+        .late_s(&fit)
+        .map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
     let kg = fit.declared[2] - data.declared_values()[2];
     for i in 0..fit.terms.len() {
-        let part_of = match fit.names[i] {
+        let also = match fit.names[i] {
+            // Damping and mass, which a clip clips, too, tell it from a spring that gives way.
+            Effect::Saturation if only_a_spring => Some(Effect::Softening),
             Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
             name if name.entry().family == Family::Friction => early,
             _ => None,
         };
         let known = all.clone();
-        for other in other(i).into_iter().chain(part_of) {
+        for other in other(i).into_iter().chain(also) {
             all.extend(known.iter().map(|names| {
                 let mut names = names.clone();
                 names[i] = other;

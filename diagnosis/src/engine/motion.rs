@@ -2,11 +2,10 @@
 
 use super::row::{Form, Row, Sizes};
 use crate::base::Base;
-use crate::joint::declared_columns;
-use crate::joint::element::Element;
-use crate::joint::track::{MotionScales, Track};
 use crate::noise::hum::MAINS_HZ;
 use crate::signals::{Scales, Signals, Transfer, add_columns, delayed, difference, peak};
+use crate::specimen::element::Element;
+use crate::specimen::track::{MotionScales, Track};
 use crate::spectrum;
 
 /// A record's motion.
@@ -23,7 +22,7 @@ pub struct Motion {
 impl Motion {
     /// Of a track, with what the declared specimen answers to it.
     pub fn new(track: Track, base: &Base) -> Self {
-        let declared = declared_columns(&track);
+        let declared = track.declared_columns();
         let mut answer = vec![0.0; track.x.len()];
         add_columns(&mut answer, &declared, &base.values, 1.0);
         let from = track.time_s[0] - track.interval_s * track.first as f64;
@@ -107,12 +106,7 @@ impl Motion {
 }
 
 /// Sizes of training records, which every record is measured by.
-pub fn sizes(
-    motion: MotionScales,
-    motions: &[Motion],
-    base: &Base,
-    line_hz: Option<f64>,
-) -> Sizes {
+pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base, line_hz: Option<f64>) -> Sizes {
     let seen = |m: &Motion| m.signals.base[m.track.first..].to_vec();
     let answers: Vec<f64> = motions.iter().flat_map(seen).collect();
     let force = peak(motions.iter().flat_map(|m| &m.track.force)).max(1e-12);

@@ -7,7 +7,7 @@ use plant::Family;
 use rayon::prelude::*;
 
 /// Declared parameters of a channel.
-pub const DECLARED: usize = 4;
+pub use crate::specimen::DECLARED;
 /// Terms at most in one model.
 pub const MOST_TERMS: usize = 4;
 /// Shapes of each law that are carried on beside others.
@@ -16,7 +16,7 @@ const SHAPES: usize = 2;
 const CARRIED: [usize; 3] = [10, 8, 4];
 /// Models of one term that are kept in any case: alone a law may be further from its shape in the grid than two that share what it
 /// does.
-pub const ALONE: usize = 40;
+pub const ALONE: usize = 24;
 /// Models that are kept at the end.
 const KEPT: usize = 60;
 
@@ -134,14 +134,26 @@ impl Search<'_> {
         all
     }
 
-    /// Runs; best first, the empty model among them.
-    pub fn run(&self) -> Vec<Scored> {
+    /// Models of one term, one for each shape, and what their fits begin with; `None` where the declared model has no fit.
+    fn singles(&self) -> Option<(Scored, Vec<Scored>, [f64; BLOCKS])> {
         let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
-        let Some(empty) = self.scored(Vec::new(), &even) else {
-            return Vec::new();
-        };
+        let empty = self.scored(Vec::new(), &even)?;
         let first = self.score.weights(&empty.left);
         let singles = self.all((0..self.atoms.len()).map(|a| vec![a]).collect(), &first);
+        Some((empty, singles, first))
+    }
+
+    /// Models of one term, one for each law; best first.
+    pub fn alone(&self) -> Vec<Scored> {
+        self.singles()
+            .map_or_else(Vec::new, |(_, singles, _)| self.best(singles, usize::MAX))
+    }
+
+    /// Runs; best first, the empty model among them.
+    pub fn run(&self) -> Vec<Scored> {
+        let Some((empty, singles, first)) = self.singles() else {
+            return Vec::new();
+        };
         let beside = self.beside(&singles);
         let mut found = vec![empty];
         let mut leading = self.best(singles, usize::MAX);

@@ -1,6 +1,7 @@
 //! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
 
 use super::bounded::Equations;
+use super::cutoff;
 use super::gram::{Grams, Tie};
 use super::law::table;
 use super::motion::{Motion, sizes};
@@ -8,12 +9,11 @@ use super::row::{Form, Row, Sizes};
 use super::score::{BLOCKS, Evidence, Score};
 use super::search::{Atom, DECLARED, Scored, Search};
 use crate::base::Base;
-use crate::joint::cutoff::{self, Derivatives};
-use crate::joint::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::linear::{Bound, dot};
 use crate::recording::Recording;
 use crate::rest;
 use crate::signals::{add_columns, averaged};
+use crate::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use plant::Effect;
 use rayon::prelude::*;
 
@@ -24,6 +24,16 @@ pub struct Term {
     pub row: usize,
     /// Its shape.
     pub shape: [f64; 4],
+}
+
+impl Term {
+    /// Where the search has it.
+    pub fn of(atom: &Atom) -> Self {
+        Self {
+            row: atom.row,
+            shape: atom.shape,
+        }
+    }
 }
 
 /// A specimen's model at its best.
@@ -78,8 +88,7 @@ impl<'a> SpecimenData<'a> {
         let moving: Vec<Recording> = train.iter().map(rest::without).collect();
         let sources = spans(&moving)?;
         // Of the held-out records the motion's band alone, which the columns have to pass.
-        let cutoff_hz =
-            cutoff::choose(base, &sources, &spans(test)?, None, Derivatives::AsDeclared)?;
+        let cutoff_hz = cutoff::choose(base, &sources, &spans(test)?)?;
         let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
         let every = thinning(&tracks, cutoff_hz);
         let scales = MotionScales::of(&tracks);
@@ -145,6 +154,11 @@ impl<'a> SpecimenData<'a> {
 
     /// The models that the search leads to.
     pub fn searched(&self) -> (Vec<Atom>, Vec<Scored>) {
+        self.searched_by(|s: &Search| s.run())
+    }
+
+    /// The same of a part of the search.
+    pub fn searched_by(&self, run: impl Fn(&Search) -> Vec<Scored>) -> (Vec<Atom>, Vec<Scored>) {
         let places: Vec<(usize, [f64; 4])> = self
             .rows
             .iter()
@@ -209,7 +223,7 @@ impl<'a> SpecimenData<'a> {
             ties: self.ties(|_| false),
             score: &self.score,
         };
-        let found = search.run();
+        let found = run(&search);
         (atoms, found)
     }
 
@@ -325,6 +339,14 @@ impl<'a> SpecimenData<'a> {
     /// By how much the force of a fit is late, where it has a term that says so.
     pub fn late_s(&self, fit: &SpecimenModelFit) -> Option<f64> {
         late_s(&self.rows, &fit.terms)
+    }
+
+    /// Whether the forces of a fit's damping and mass are within the noise.
+    pub fn is_only_a_spring(&self, fit: &SpecimenModelFit) -> bool {
+        let columns = self.stacked(Motion::declared);
+        let mut other = vec![0.0; self.target.len()];
+        add_columns(&mut other, &columns[1..3], &fit.declared[1..3], 1.0);
+        dot(&other, &other) <= self.score.noise * other.len() as f64
     }
 
     /// Declared values.

@@ -9,7 +9,7 @@ mod specimen;
 
 pub use candidate::Candidate;
 pub use saved::form_names;
-pub use specimen::{KNEE, ROUNDED_GAP, ROUNDED_LIMIT};
+pub use specimen::{ROUNDED_GAP, ROUNDED_LIMIT};
 
 use plant::{Channel, EffectSpec};
 

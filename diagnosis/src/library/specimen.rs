@@ -64,21 +64,6 @@ fn lost(at_mm: f64, [reference_mm, exponent]: [f64; 2]) -> f64 {
     1.0 - 1.0 / (1.0 + (at_mm / reference_mm).powf(exponent))
 }
 
-/// A spring that gives way at a displacement, by any share of its stiffness: the rival of a force that ends at a limit. It is not
-/// searched by itself, since a joint search has it with a strength of its own.
-pub const KNEE: Candidate = Candidate {
-    effect: Effect::Softening,
-    shapes: |s| vec![Shape::new(0.3 * s.x, 0.998 * s.x, 16)],
-    columns: |s, p, k| {
-        // Of what the spring feels in the model, with the reading's noise: beyond the place there is none of it.
-        let past = |x: &f64| -k.stiffness * (x - x.clamp(-p[0], p[0]));
-        vec![s.reading.iter().map(past).collect()]
-    },
-    bounds: share,
-    parameters: |_, p, _| vec![("reference_mm", "mm", p[0])],
-    ..BASIS
-};
-
 /// What the way takes from a spring: the other form of `degradation`.
 pub const FATIGUE: Candidate = Candidate {
     effect: Effect::Degradation,

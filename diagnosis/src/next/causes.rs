@@ -2,9 +2,9 @@
 
 use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
 use crate::base::Base;
+use crate::engine;
 use crate::fit::{Frame, settle};
 use crate::improved::improve;
-use crate::joint;
 use crate::library::candidates;
 use crate::model::Model;
 use crate::noise::Noise;
@@ -105,17 +105,11 @@ fn fitted(
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
 ) -> Vec<FittedModel> {
-    let mut all = catalogued(model, channel, train, &wanted).unwrap_or_default();
-    if channel == Channel::Specimen
-        && let Some(base) = Base::of(model, channel)
-        && let Some(found) = joint::one_each(&base, train, &wanted)
-    {
-        all.extend(found.into_iter().map(|(name, fit, left)| {
-            let mut with = model.clone();
-            fit.save(&vec![name; fit.elements.len()], &mut with);
-            (name, with, left)
-        }));
-    }
+    let all = match channel {
+        Channel::Specimen => engine::one_each(model, train, wanted),
+        Channel::Actuator => catalogued(model, channel, train, &wanted),
+    };
+    let mut all = all.unwrap_or_default();
     all.sort_by(|a, b| a.2.total_cmp(&b.2));
     let mut names: Vec<Effect> = Vec::new();
     all.retain(|f| {

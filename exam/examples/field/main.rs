@@ -1,7 +1,7 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--engine=one|votes] [--only WORD] [--list] [--evidence | --noise | --settle=N]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence | --noise | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
@@ -44,11 +44,6 @@ fn main() {
     if seeds.is_empty() {
         seeds = (0..320).collect();
     }
-    let engine = arguments
-        .iter()
-        .find_map(|a| a.strip_prefix("--engine="))
-        .map_or(Ok(diagnosis::Engine::default()), str::parse);
-    let engine = engine.unwrap_or_else(|why| panic!("{why}"));
     let only = arguments.iter().position(|a| a == "--only");
     if let Some(word) = only.and_then(|at| arguments.get(at + 1)) {
         seeds = seeds
@@ -74,7 +69,7 @@ fn main() {
     let bar = ProgressBar::new(seeds.len() as u64);
     let all: Vec<Sat> = seeds
         .into_par_iter()
-        .map(|seed| sit::answer(set(seed), engine))
+        .map(|seed| sit::answer(set(seed)))
         .inspect(|_| bar.inc(1))
         .inspect(|s| {
             if list && !matches!(s.mark, Mark::Right | Mark::Set) {

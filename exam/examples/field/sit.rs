@@ -1,8 +1,6 @@
 //! The diagnosis of this repository answers field records.
 
-use diagnosis::{
-    ActuatorModel, Declared, Diagnosis, Engine, Model, Recording, SpecimenModel, Verdict,
-};
+use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel, Verdict};
 use exam::Parameter;
 use exam::field::{Believed, Field, Mark, Said, Span};
 
@@ -150,10 +148,10 @@ fn notes(found: &Diagnosis) -> Vec<String> {
 }
 
 /// Answers and grades a record.
-pub fn answer(field: Field, engine: Engine) -> Sat {
+pub fn answer(field: Field) -> Sat {
     let [train, test] = recordings(&field);
     let samples = train.time_s.len();
-    let found = diagnosis::diagnose_by(engine, &model(&field.believed), &[train], &[test], &[]);
+    let found = diagnosis::diagnose(&model(&field.believed), &[train], &[test], &[]);
     let (said, vouched, errors, seconds) = match &found {
         Err(why) => {
             let said = Said {

@@ -40,9 +40,6 @@ struct Arguments {
     /// Only records that hide this effect
     #[arg(long, value_parser = effect)]
     hides: Option<String>,
-    /// Which searches are asked: one or votes
-    #[arg(long, default_value = "votes")]
-    engine: diagnosis::Engine,
     /// Lists every record whose answer was not exact
     #[arg(long)]
     list: bool,
@@ -132,9 +129,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 answers[&id].clone()
             })
         }
-        None => work(&plan, arguments.list, |_, paper| {
-            examinee::diagnosis(paper, arguments.engine)
-        }),
+        None => work(&plan, arguments.list, |_, paper| examinee::diagnosis(paper)),
     }?;
     show(&plan, &all, arguments.json.as_deref())
 }

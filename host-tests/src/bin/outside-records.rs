@@ -1,24 +1,18 @@
 //! The table of all open records from outside: verdict, truth, error before and after, textbook fit, floor.
 //!
 //! ```text
-//! cargo run --release -p host-tests --bin outside-records -- [--engine=one|votes] [CASE]...
+//! cargo run --release -p host-tests --bin outside-records -- [CASE]...
 //! ```
 
 use comfy_table::{Table, presets};
-use diagnosis::{ChannelAnswer, Engine};
+use diagnosis::ChannelAnswer;
 use host_tests::outside::{Case, lot};
 
 fn main() {
     let mut only: Vec<String> = std::env::args().skip(1).collect();
-    let engine = only
-        .iter()
-        .find_map(|a| a.strip_prefix("--engine="))
-        .map_or(Ok(Engine::default()), str::parse);
-    let engine = engine.unwrap_or_else(|why| panic!("{why}"));
     only.retain(|a| !a.starts_with("--"));
     let lots = ["outside", "outside2"].into_iter().filter_map(lot);
     let mut cases: Vec<Case> = lots.flatten().collect();
-    cases.iter_mut().for_each(|c| c.engine = engine);
     let mut table = Table::new();
     table.load_preset(presets::ASCII_MARKDOWN).set_header([
         "record",

@@ -1,22 +1,22 @@
 //! The diagnosis of this repository sits the exam.
 
 use super::answer::Answer;
-use diagnosis::{ActuatorModel, Declared, Diagnosis, Engine, Model, Recording, SpecimenModel};
+use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel};
 use exam::{Paper, Parameter, Record};
 
 /// Its answer to a question; the same as `outerloop diagnose --json` prints.
 ///
 /// # Errors
 /// The sentence of a refusal.
-pub fn diagnosis(paper: &Paper, engine: Engine) -> Result<Answer, String> {
-    answer(&found(paper, engine)?)
+pub fn diagnosis(paper: &Paper) -> Result<Answer, String> {
+    answer(&found(paper)?)
 }
 
 /// What is found out about the rig of a question.
 ///
 /// # Errors
 /// The sentence of a refusal.
-pub fn found(paper: &Paper, engine: Engine) -> Result<Diagnosis, String> {
+pub fn found(paper: &Paper) -> Result<Diagnosis, String> {
     let train = recording("train", &paper.train);
     let rest: Vec<Recording> = paper
         .rest_s
@@ -24,7 +24,7 @@ pub fn found(paper: &Paper, engine: Engine) -> Result<Diagnosis, String> {
         .map(|&(from_s, to_s)| train.span(from_s, to_s))
         .collect();
     let test = recording("test", &paper.test);
-    diagnosis::diagnose_by(engine, &model(paper), &[train], &[test], &rest)
+    diagnosis::diagnose(&model(paper), &[train], &[test], &rest)
         .map_err(|refusal| refusal.to_string())
 }
 

@@ -43,8 +43,12 @@ fn specimens_are_answered_as_their_causes_say() {
                 let whole: f64 = a.members.iter().map(|m| m.probability).sum();
                 assert!(whole > 0.85 && whole < 1.0 + 1e-9, "{}: {whole}", case.id);
             }
-            // A name of the single search, where the noise is known, stands by its significance and has no q.
-            _ => assert!(a.effects.iter().all(|e| e.q.is_none_or(|q| q <= 0.05))),
+            // More likely right than wrong, and never as sure as a law of the table that leaves nothing but noise.
+            _ => assert!(
+                a.effects
+                    .iter()
+                    .all(|e| e.q.is_some_and(|q| (0.02..0.5).contains(&q)))
+            ),
         }
         assert!(a.noise_floor_rms <= a.error_after.test_rms * (1.0 + 1e-9));
     }

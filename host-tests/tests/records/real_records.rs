@@ -59,7 +59,9 @@ fn only(d: &Diagnosis, model: &Model) -> ChannelAnswer {
         // The set is said three times: the model's own name, the others, and all of them with their probabilities.
         let mut said: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
         said.extend(&a.alternatives);
-        let set: Vec<Effect> = a.members.iter().map(|m| m.name).collect();
+        said.sort();
+        let mut set: Vec<Effect> = a.members.iter().map(|m| m.name).collect();
+        set.sort();
         assert_eq!(said, set);
     }
     a
@@ -178,11 +180,10 @@ fn the_force_of_the_fatigue_rig_leads_and_its_lead_ends_at_higher_rates() {
     };
     let d = diagnose(&model, first.clone(), last.clone());
     let a = only(&d, &model);
-    // A loss that grows with speed at nearly its power: damping, or the lag of a reading, which is the same force; friction
-    // with a long give does nearly as well.
-    assert_eq!(a.verdict, Verdict::Ambiguous);
-    let set: Vec<Effect> = a.members.iter().map(|m| m.name).collect();
-    assert!(set.contains(&Effect::ViscousDamping), "{set:?}");
+    // A loss that grows with speed at nearly its power: damping, and not all that is there.
+    assert_eq!(a.verdict, Verdict::Partial);
+    let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, [Effect::ViscousDamping]);
     assert!((0.055..0.062).contains(&a.error_before.test_rms));
     assert!((0.008..0.014).contains(&a.error_after.test_rms));
     assert!(a.improvement_ci90[0] > 0.03, "{:?}", a.improvement_ci90);

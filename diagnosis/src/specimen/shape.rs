@@ -1,4 +1,4 @@
-//! The shape of an element: what it costs, how it may be moved, and within which bounds.
+//! The shape of an element: how it may be moved, and within which bounds.
 
 use super::element::{Element, Law};
 use super::track::MotionScales;
@@ -17,15 +17,6 @@ pub enum Scale {
 const MOST_GROWTH: f64 = 1.0;
 
 impl Element {
-    /// What it costs, in units of an element of one shape.
-    pub fn penalty(&self) -> f64 {
-        match self.law {
-            Law::BoucWen | Law::InSeries | Law::Worn | Law::Pinched => 1.6,
-            Law::Stribeck | Law::SliderAway | Law::SliderAlong => 1.3,
-            _ => 1.0,
-        }
-    }
-
     /// The shapes that can be moved, and how.
     pub fn movable(&self) -> &'static [(usize, Scale)] {
         use Scale::{Log, Straight};

@@ -1,5 +1,6 @@
 //! A span as its elements feel it: with what was before it.
 
+use super::DECLARED;
 use super::band::Band;
 use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
@@ -193,6 +194,16 @@ impl Track {
     pub fn span_of(&self, whole: &[f64]) -> Vec<f64> {
         let own = whole[self.first..].iter().step_by(self.fine);
         own.copied().collect()
+    }
+
+    /// The declared parameters' columns over the whole motion: N for one unit of each parameter.
+    pub fn declared_columns(&self) -> [Vec<f64>; DECLARED] {
+        [
+            self.x.clone(),
+            self.v.clone(),
+            self.a.iter().map(|a| 1e-3 * a).collect(),
+            vec![1.0; self.x.len()],
+        ]
     }
 
     /// The same as a column that [`Track::force`] is fitted by, averaged over `every` samples.

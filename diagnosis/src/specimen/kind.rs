@@ -1,61 +1,14 @@
-//! The kind and the name of an element, by its shape and not by its equation.
+//! The name of an element, by its shape and not by its equation.
 
 use super::element::{Element, Law};
 use super::track::MotionScales;
 use crate::criteria::{
-    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, NEARLY,
-    RELAXES, STRIBECK_YIELD,
+    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, RELAXES,
+    STRIBECK_YIELD,
 };
 use plant::Effect;
 
-/// What an element's force depends on. Rivals are of another kind; within a kind the shape tells the name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ElementKind {
-    /// A declared parameter that has left its tolerances.
-    Parameter,
-    /// A function of displacement.
-    Displacement,
-    /// A function of velocity.
-    Velocity,
-    /// The travel since the last reversals: friction and hysteresis.
-    Memory,
-    /// Lost motion.
-    Play,
-    /// The largest displacement or the travel so far.
-    Damage,
-    /// A linear filter.
-    Linear,
-    /// Time.
-    Time,
-}
-
 impl Element {
-    /// Its kind.
-    pub fn kind(&self, sizes: &MotionScales) -> ElementKind {
-        match self.law {
-            Law::InSeries if self.relaxes() => ElementKind::Linear,
-            Law::Slider
-            | Law::Bristles
-            | Law::Stribeck
-            | Law::BoucWen
-            | Law::Distributed
-            | Law::InSeries
-            | Law::SliderAway
-            | Law::SliderAlong
-            | Law::Worn
-            | Law::Pinched => ElementKind::Memory,
-            Law::Lost => ElementKind::Play,
-            Law::Lessened | Law::Fatigued => ElementKind::Damage,
-            // What hardly grows with speed is friction whose reversals are smooth.
-            Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => ElementKind::Memory,
-            Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => ElementKind::Memory,
-            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => ElementKind::Velocity,
-            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => ElementKind::Displacement,
-            Law::Relaxing => ElementKind::Linear,
-            Law::Settling | Law::Warming => ElementKind::Time,
-        }
-    }
-
     /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
     pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
         let [p, q, ..] = self.shape;
@@ -99,20 +52,6 @@ impl Element {
             Law::Warming => Effect::TemperatureGain,
             Law::Settling => Effect::Drift,
         }
-    }
-
-    /// Whether it lies so near to another kind that it is no rival of it: a force that saturates soon is nearly friction.
-    pub fn is_nearly(&self, kind: ElementKind, sizes: &MotionScales) -> bool {
-        let near = match self.law {
-            Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
-            Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
-            Law::InSeries if self.relaxes() => self.shape[2] * NEARLY > RELAXES,
-            Law::InSeries => {
-                return kind == ElementKind::Linear && self.shape[2] < NEARLY * RELAXES;
-            }
-            _ => false,
-        };
-        near && kind == ElementKind::Memory
     }
 
     /// Whether it is a dashpot for all that the motion shows: a force nearly in proportion to speed, or one behind a spring

@@ -27,7 +27,7 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
 }
 
 /// So many bands of the motion are kept where its noise would be made into a force.
-const KEPT_BANDS: f64 = 3.0;
+const KEPT_BANDS: f64 = 1.5;
 
 /// Whether a known effect makes a force of the displacement's noise: its rate, and both edges of a gap.
 fn acts_on_steps(base: &Base) -> bool {
@@ -54,8 +54,7 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     };
     let band_hz = UnfilteredSpan::new(record)?.band_hz();
     let cutoff_hz = band_hz * BAND_ROOM;
-    let smoothed =
-        acts_on_steps(base).then(|| of_smoothed_motion(record, KEPT_BANDS * band_hz));
+    let smoothed = acts_on_steps(base).then(|| of_smoothed_motion(record, KEPT_BANDS * band_hz));
     let one = std::slice::from_ref(smoothed.as_ref().unwrap_or(record));
     let answer = |base| {
         let segment = Problem::new(base, one, cutoff_hz, &[])?

@@ -135,24 +135,6 @@ impl Element {
         }
     }
 
-    /// The force of a spring at some places.
-    pub fn over(&self, places: &[f64], sizes: &MotionScales) -> Vec<f64> {
-        let track = Track {
-            interval_s: sizes.interval_s,
-            fine: 1,
-            x: places.to_vec(),
-            largest_before_mm: 0.0,
-            travel_before_mm: 0.0,
-            v: vec![0.0; places.len()],
-            a: Vec::new(),
-            first: 0,
-            time_s: Vec::new(),
-            force: Vec::new(),
-            unmeasured: Vec::new(),
-        };
-        self.force(&track, sizes)
-    }
-
     /// What its strength may be.
     pub fn bound(&self) -> Bound {
         match self.law {
@@ -188,6 +170,24 @@ fn settling(t: &Track, time_constant_s: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
+    /// The force of a spring at some places.
+    fn over(spring: &Element, places: &[f64], sizes: &MotionScales) -> Vec<f64> {
+        let track = Track {
+            interval_s: sizes.interval_s,
+            fine: 1,
+            x: places.to_vec(),
+            largest_before_mm: 0.0,
+            travel_before_mm: 0.0,
+            v: vec![0.0; places.len()],
+            a: Vec::new(),
+            first: 0,
+            time_s: Vec::new(),
+            force: Vec::new(),
+            unmeasured: Vec::new(),
+        };
+        spring.force(&track, sizes)
+    }
+
     #[test]
     fn what_a_spring_has_lost_stays_lost() {
         let sizes = MotionScales {
@@ -195,7 +195,7 @@ mod tests {
             ..MotionScales::default()
         };
         let lessened = Element::new(Law::Lessened, [2.0]);
-        let force = lessened.over(&[1.0, 4.0, 2.0, -2.0, -8.0, 4.0], &sizes);
+        let force = over(&lessened, &[1.0, 4.0, 2.0, -2.0, -8.0, 4.0], &sizes);
         // -x (largest / 4)^2.
         assert_eq!(force, [-0.0625, -4.0, -2.0, 2.0, 32.0, -16.0]);
     }

@@ -1,13 +1,9 @@
 //! The parameters of a name, each with its 90 % interval, on condition that the name is right.
 
-use super::covariance::{covariance, unknowns};
+use super::DECLARED;
 use super::element::{Element, Law};
 use super::fit::SpecimenFit;
-use super::set::{DECLARED, Library};
-use crate::answer::ParameterEstimate;
-use crate::interval;
 use crate::library::candidate::NamedValue;
-use nalgebra::DMatrix;
 use plant::{Channel, Effect};
 
 /// The displacement over which friction builds up.
@@ -271,45 +267,10 @@ fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec
     vec![(p.error_parameter, p.error_unit(), error)]
 }
 
-/// Intervals of the figures of all names, by a sandwich over blocks of the residual; of the samples in `sure` where the fit
-/// comes from these.
-pub fn with_intervals(
-    library: &Library,
-    fit: &SpecimenFit,
-    names: &[(Effect, Vec<usize>)],
-    sure: Option<&[bool]>,
-) -> Vec<Vec<ParameterEstimate>> {
-    let declared = &std::array::from_fn(|i| library.declared_value(i));
-    let unknowns = unknowns(library, fit);
-    let whole = covariance(library, fit, &unknowns, None);
-    // Where friction slides nothing tells the way in which it builds up.
-    let sliding = sure.and_then(|sure| covariance(library, fit, &unknowns, Some(sure)));
-    names
-        .iter()
-        .map(|(name, own)| {
-            let here = figures(*name, own, fit, declared);
-            let mut gradient = DMatrix::zeros(here.len(), unknowns.len());
-            for (j, unknown) in unknowns.iter().enumerate() {
-                let (moved, step) = unknown.moved(fit);
-                for (i, there) in figures(*name, own, &moved, declared).iter().enumerate() {
-                    gradient[(i, j)] = (there.2 - here[i].2) / step;
-                }
-            }
-            let all = interval::around(here.clone(), &gradient, whole.as_ref());
-            let Some(sliding) = &sliding else {
-                return all;
-            };
-            let sliding = interval::around(here, &gradient, Some(sliding));
-            let which = |(s, a): (ParameterEstimate, _)| if s.0 == PRESLIDING { a } else { s };
-            sliding.into_iter().zip(all).map(which).collect()
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::track::MotionScales;
+    use crate::specimen::track::MotionScales;
 
     fn fit(elements: Vec<(Element, f64)>) -> SpecimenFit {
         SpecimenFit {

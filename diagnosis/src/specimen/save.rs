@@ -41,9 +41,9 @@ impl SpecimenFit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::element::{Element, Law};
-    use crate::joint::track::MotionScales;
     use crate::model::SpecimenModel;
+    use crate::specimen::element::{Element, Law};
+    use crate::specimen::track::MotionScales;
     use plant::Effect::{CoulombFriction, MaxwellDamper};
 
     #[test]

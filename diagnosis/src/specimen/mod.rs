@@ -1,0 +1,23 @@
+//! A specimen's motion and what acts on it: the displacement without its noise ([`band`], [`curvature`], [`track`]), the force
+//! of an [`element`] of free strength over it ([`laws`], [`shape`], [`kind`]), its parameters by name ([`figures`]), and what a model
+//! has of both from before ([`known`], [`save`]).
+
+mod band;
+mod curvature;
+pub(crate) mod element;
+pub(crate) mod figures;
+mod fit;
+mod kind;
+mod known;
+mod laws;
+mod save;
+mod shape;
+pub(crate) mod track;
+
+pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
+pub use fit::SpecimenFit;
+pub use known::without_known;
+pub(crate) use shape::Scale;
+
+/// Declared parameters of a specimen: stiffness, damping, mass, offset.
+pub const DECLARED: usize = 4;
