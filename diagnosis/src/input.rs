@@ -168,6 +168,13 @@ impl Speeds {
     }
 }
 
+/// Whether these records of a specimen move at one speed each way, or one way alone: what takes time and what takes way are one there.
+pub fn has_one_speed(records: &[Recording]) -> bool {
+    let of = |r: &Recording| Speeds::of(r.displacement_mm.as_ref()?, r.interval_s());
+    let speeds: Option<Vec<Speeds>> = records.iter().map(of).collect();
+    speeds.is_some_and(|all| one_speed(&all).is_some())
+}
+
 fn one_speed(all: &[Speeds]) -> Option<Deficiency> {
     use Effect::*;
     let usual = |i: usize| same(&all.iter().map(|s| s.usual[i]).collect::<Vec<_>>());

@@ -70,9 +70,7 @@ fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
     columns.extend(everyday.iter().map(|e| column(&|t| e.force(t, &sizes))));
     let force: Vec<f64> = tracks.iter().flat_map(|t| t.force.clone()).collect();
     let parts = parts(&columns, &force);
-    let bounds = everyday.iter().map(Element::bound);
-    let mut free: Vec<Bound> = vec![Bound::FREE; DECLARED];
-    free.extend(bounds);
+    let mut free = vec![Bound::FREE; columns.len()];
     let mut held = free.clone();
     for i in [1, 2] {
         free[i].low = base.within_tolerances(i).low;

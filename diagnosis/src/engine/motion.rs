@@ -106,7 +106,13 @@ impl Motion {
 }
 
 /// Sizes of training records, which every record is measured by.
-pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base, line_hz: Option<f64>) -> Sizes {
+pub fn sizes(
+    motion: MotionScales,
+    motions: &[Motion],
+    base: &Base,
+    line_hz: Option<f64>,
+    one_speed: bool,
+) -> Sizes {
     let seen = |m: &Motion| m.signals.base[m.track.first..].to_vec();
     let answers: Vec<f64> = motions.iter().flat_map(seen).collect();
     let force = peak(motions.iter().flat_map(|m| &m.track.force)).max(1e-12);
@@ -123,6 +129,7 @@ pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base, line_hz: Opt
     };
     Sizes {
         motion,
+        one_speed,
         scales: Scales {
             x: largest,
             v: motion.v,

@@ -40,6 +40,8 @@ pub struct Sizes {
     pub motion: MotionScales,
     /// For effects.
     pub scales: Scales,
+    /// The motion has one speed each way: what builds up in time and what builds up along the way are one.
+    pub one_speed: bool,
 }
 
 impl Sizes {
@@ -184,10 +186,12 @@ impl Row {
             }],
             Form::Element(law) => vec![Element { law, shape }.bound()],
             Form::Effect(c) if c.stage.is_some() => vec![ONCE],
-            Form::Effect(c) if c.effect == Effect::GainError => vec![Bound {
-                low: -OF_A_CALIBRATION,
-                high: f64::INFINITY,
-            }],
+            Form::Effect(c) if matches!(c.effect, Effect::GainError | Effect::TemperatureGain) => {
+                vec![Bound {
+                    low: -OF_A_CALIBRATION,
+                    high: f64::INFINITY,
+                }]
+            }
             Form::Effect(c) if c.effect == Effect::RigCompliance => vec![Bound {
                 low: 0.0,
                 high: OF_A_CALIBRATION / sizes.scales.stiffness,
@@ -244,7 +248,7 @@ pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
-const LEVELS_OFF: f64 = 0.7;
+const LEVELS_OFF: f64 = 1.0;
 
 /// The share of a force that an error of its calibration, or the give of the rig, can take: beyond that the force is another one.
 const OF_A_CALIBRATION: f64 = 0.6;

@@ -9,6 +9,7 @@ use super::row::{Form, Row, Sizes};
 use super::score::{BLOCKS, Evidence, Score};
 use super::search::{Atom, DECLARED, Scored, Search};
 use crate::base::Base;
+use crate::input;
 use crate::linear::{Bound, dot};
 use crate::recording::Recording;
 use crate::rest;
@@ -95,7 +96,8 @@ impl<'a> SpecimenData<'a> {
         let motions: Vec<Motion> = tracks.into_iter().map(|t| Motion::new(t, base)).collect();
         let line_hz = motions.iter().max_by_key(|m| m.track.force.len());
         let line_hz = line_hz.and_then(Motion::line_hz);
-        let sizes = sizes(scales, &motions, base, line_hz);
+        let one_speed = input::has_one_speed(train);
+        let sizes = sizes(scales, &motions, base, line_hz, one_speed);
         let own = |m: &Motion| averaged(&m.track.force, every);
         let target: Vec<f64> = motions.iter().flat_map(own).collect();
         let speeds = motions

@@ -12,7 +12,7 @@ fn main() {
     let mut only: Vec<String> = std::env::args().skip(1).collect();
     only.retain(|a| !a.starts_with("--"));
     let lots = ["outside", "outside2"].into_iter().filter_map(lot);
-    let mut cases: Vec<Case> = lots.flatten().collect();
+    let cases: Vec<Case> = lots.flatten().collect();
     let mut table = Table::new();
     table.load_preset(presets::ASCII_MARKDOWN).set_header([
         "record",

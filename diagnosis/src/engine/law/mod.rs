@@ -11,6 +11,7 @@ mod reading;
 mod spring;
 
 use super::row::{Form, Row, Sizes};
+use crate::specimen::element::Law;
 
 /// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest.
 pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
@@ -30,6 +31,8 @@ pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
             row.grid.retain(|shape| kept.is_sound(*shape, sizes));
         }
     }
-    all.retain(|r| !r.grid.is_empty());
+    // At one speed a force that builds up in time is friction that builds up along the way, and that is commoner.
+    let takes_time = |r: &Row| matches!(r.form, Form::Element(Law::Relaxing | Law::InSeries));
+    all.retain(|r| !r.grid.is_empty() && !(sizes.one_speed && takes_time(r)));
     all
 }
