@@ -2,12 +2,15 @@
 //!
 //! ```text
 //! row, law/  one table of what may be missing: a row a law, a file a family
-//! motion     a record as the laws see it: columns                      gram      their products, block by block
-//! score      the one measure: blocks of the training data left out     search    sets of laws by their products
-//! specimen   the columns                                               polish    a model's shapes at their best
-//! free       the rival without a name                              posterior  the probability of each name
-//! verdict    three thresholds                                          figures   a name's parameters with intervals
-//! asked      what an answer needs of a channel
+//! cutoff     where motion ends and noise begins                   motion     a record as the laws see it: columns
+//! gram       their products, block by block                       bounded    least squares within bounds
+//! score      the one measure: blocks of the training data left out
+//! search     sets of laws by their products                       polish     a model's shapes at their best
+//! exact      where a law leaves noise, every sample counts        free       the rival without a name
+//! posterior  the probability of each name                         verdict    three thresholds
+//! settle     the chosen model to the last of the noise            sliding    friction where it slides
+//! unknowns   what a fit may move, and how that varies together    figures    a name's parameters with intervals
+//! asked      what an answer needs of a channel                    one_each   one model a name, for the next test
 //! ```
 //!
 //! What it expects of what surrounds it: records that were checked and resampled (`recording`, `plausible`), without what the model

@@ -1,8 +1,8 @@
 //! The parameters of a name, each with its 90 % interval, on condition that the name is right.
 
-use super::DECLARED;
 use super::element::{Element, Law};
 use super::fit::SpecimenFit;
+use super::track::DECLARED;
 use crate::library::candidate::NamedValue;
 use plant::{Channel, Effect};
 

@@ -1,8 +1,7 @@
 //! Elements and declared parameters with their figures.
 
-use super::DECLARED;
 use super::element::Element;
-use super::track::MotionScales;
+use super::track::{DECLARED, MotionScales};
 
 /// Elements and declared parameters with their strengths.
 #[derive(Clone, Debug)]

@@ -18,6 +18,4 @@ pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 pub use fit::SpecimenFit;
 pub use known::without_known;
 pub(crate) use shape::Scale;
-
-/// Declared parameters of a specimen: stiffness, damping, mass, offset.
-pub const DECLARED: usize = 4;
+pub use track::DECLARED;

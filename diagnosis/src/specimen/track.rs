@@ -1,6 +1,5 @@
 //! A span as its elements feel it: with what was before it.
 
-use super::DECLARED;
 use super::band::Band;
 use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
@@ -10,6 +9,8 @@ use crate::signals::{Signals, averaged, clear, peak};
 use crate::spectrum::motion_band_hz;
 use crate::travel;
 
+/// Declared parameters of a specimen: stiffness, damping, mass, offset.
+pub const DECLARED: usize = 4;
 /// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
 /// out.
 const LOOK_BACK: f64 = 2.0;
