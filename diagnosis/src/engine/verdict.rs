@@ -121,7 +121,7 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
     let more = model.names.len() > only.len();
     let mut beside = posterior.names();
     beside.retain(|n| more && !only.contains(&n.0) && n.1 >= RIVALS);
-    beside.truncate(LARGEST_SET);
+    beside.truncate(LARGEST_SET.saturating_sub(only.len()));
     Some(Said::Names(Named {
         model,
         names,
