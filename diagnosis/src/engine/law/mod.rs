@@ -33,6 +33,6 @@ pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
     }
     // At one speed a force that builds up in time is friction that builds up along the way, and that is commoner.
     let takes_time = |r: &Row| matches!(r.form, Form::Element(Law::Relaxing | Law::InSeries));
-    all.retain(|r| !r.grid.is_empty() && !(sizes.one_speed && takes_time(r)));
+    all.retain(|r| !(r.grid.is_empty() || sizes.one_speed && takes_time(r)));
     all
 }
