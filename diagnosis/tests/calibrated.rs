@@ -1,4 +1,4 @@
-//! Whether `q` is what it says: names given with a certificate, on rigs whose equations are not those of the search
+//! Whether `q` is what it says: names given for sure, on rigs whose equations are not those of the search
 //! (LuGre, thirty sliders, Ramberg-Osgood, a servo's cogging), without a rest. One in twenty may be false at `q` = .05.
 //!
 //! `cargo test --release -p diagnosis --test calibrated -- --ignored --nocapture` draws two thousand.
@@ -239,7 +239,7 @@ fn no_clean_rig_is_named_and_silence_is_silent(all: &[Answered]) {
 const SUREST: f64 = 0.04;
 
 #[test]
-fn names_with_a_certificate_are_hardly_ever_false() {
+fn names_with_a_small_q_are_hardly_ever_false() {
     let all = answers(0..63);
     no_clean_rig_is_named_and_silence_is_silent(&all);
     let stated = all

@@ -203,7 +203,7 @@ impl ChannelDiagnosis<'_> {
         let of = |(name, values): (Effect, Vec<_>)| {
             let sure = names.iter().find(|n| n.0 == name);
             FoundEffect {
-                q: sure.filter(|_| !is_set).map(|s| 1.0 - trust * s.1),
+                q: sure.filter(|_| !is_set).map(|s| 1.0 - trust * s.1.min(1.0)),
                 ..FoundEffect::new(name, values)
             }
         };

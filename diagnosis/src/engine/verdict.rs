@@ -25,8 +25,8 @@ pub const LARGEST_SET: usize = 5;
 /// Where a model leaves more than this share of the noise, a law that is not in the table may be the cause: of names that were given
 /// for sure, all were right below it and four fifths above (a study on 200 records of two authors).
 pub const UNEXPLAINED: f64 = 0.45;
-/// The probability that such a law is the cause, below and above.
-pub const NOT_IN_THE_TABLE: [f64; 2] = [0.02, 0.2];
+/// The probability that such a law is the cause, below and above. No sample is large enough to promise less than the first.
+pub const NOT_IN_THE_TABLE: [f64; 2] = [0.04, 0.2];
 
 /// Names, each with its probability, the likeliest first.
 pub type Probabilities = Vec<(Effect, f64)>;
