@@ -85,3 +85,13 @@ fn other_held_out_data_change_the_error_and_not_the_names() {
     assert_eq!(names(&one), names(&two));
     assert_eq!(one.verdict, two.verdict);
 }
+
+/// A spring that stiffens by next to nothing, or yields far away, would do nearly as well on every block.
+#[test]
+fn a_gain_has_no_rival_where_every_sample_speaks() {
+    let gain = EffectSpec::new(Effect::GainError, &[("error", 0.06)]).in_channel(Channel::Specimen);
+    let [train, test] = rig::pair(&[gain], 6);
+    let answer = specimen(&train, &test);
+    assert_eq!(answer.verdict, Verdict::Effect, "{:?}", answer.members);
+    assert_eq!(names(&answer), [Effect::GainError]);
+}

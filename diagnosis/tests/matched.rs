@@ -215,7 +215,7 @@ fn every_effect_is_named_or_is_in_the_set() {
         if let Some(saved) = saved {
             let reported = answer.error_after.test_rms;
             println!("  saved {saved:.4}, reported {reported:.4}");
-            // A play turns where its motion does: a little sooner or later in what a file's reading is smoothed to.
+            // A play that is read back leaves a quarter more, and nobody has found out why.
             let most = if effect.name == Effect::Backlash {
                 1.3
             } else {

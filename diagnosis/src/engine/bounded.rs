@@ -1,6 +1,9 @@
 //! Least squares within bounds by an active set, on normal equations of a handful of unknowns: small and quick, since a search asks
 //! for it a hundred thousand times.
 
+use crate::linear::dot;
+use std::ops::Range;
+
 /// Ridge, relative to each unknown's own square: columns that are one and the same share their strength.
 const RIDGE: f64 = 1e-9;
 /// The same for free functions: one that a block hardly touches would be anything there.
@@ -31,6 +34,24 @@ impl Equations {
             square: 0.0,
             soft: n,
         }
+    }
+
+    /// Of these samples of columns and of a target.
+    pub fn of(columns: &[Vec<f64>], target: &[f64], samples: Range<usize>) -> Self {
+        let n = columns.len();
+        let own: Vec<&[f64]> = columns.iter().map(|c| &c[samples.clone()]).collect();
+        let y = &target[samples];
+        let mut all = Self::zero(n);
+        for i in 0..n {
+            for j in 0..=i {
+                let product = dot(own[i], own[j]);
+                all.gram[i * n + j] = product;
+                all.gram[j * n + i] = product;
+            }
+            all.right[i] = dot(own[i], y);
+        }
+        all.square = dot(y, y);
+        all
     }
 
     /// Adds others of the same unknowns, times a weight.

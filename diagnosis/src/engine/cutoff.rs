@@ -4,7 +4,7 @@ use super::bounded::Equations;
 use super::search::DECLARED;
 use crate::base::Base;
 use crate::criteria::{BAND_ROOM, BLOCKS, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
-use crate::linear::{Bound, dot};
+use crate::linear::Bound;
 use crate::specimen::element::{Element, Law};
 use crate::specimen::track::{MotionScales, Track, UnfilteredSpan};
 use rayon::prelude::*;
@@ -69,7 +69,9 @@ fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
     let mut columns: Vec<Vec<f64>> = declared.collect();
     columns.extend(everyday.iter().map(|e| column(&|t| e.force(t, &sizes))));
     let force: Vec<f64> = tracks.iter().flat_map(|t| t.force.clone()).collect();
-    let parts = parts(&columns, &force);
+    let block = |b: usize| b * force.len() / BLOCKS..(b + 1) * force.len() / BLOCKS;
+    let parts = (0..BLOCKS).map(|b| Equations::of(&columns, &force, block(b)));
+    let parts: Vec<Equations> = parts.collect();
     let mut free = vec![Bound::FREE; columns.len()];
     let mut held = free.clone();
     for i in [1, 2] {
@@ -79,27 +81,6 @@ fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
         *bound = base.within_tolerances(i);
     }
     Some([left_out(&parts, &free)?, left_out(&parts, &held)?])
-}
-
-/// Products of columns block by block.
-fn parts(columns: &[Vec<f64>], force: &[f64]) -> Vec<Equations> {
-    let n = columns.len();
-    let block = |b: usize| {
-        let own = b * force.len() / BLOCKS..(b + 1) * force.len() / BLOCKS;
-        let mut part = Equations::zero(n);
-        for i in 0..n {
-            let column = &columns[i][own.clone()];
-            for j in 0..=i {
-                let product = dot(column, &columns[j][own.clone()]);
-                part.gram[i * n + j] = product;
-                part.gram[j * n + i] = product;
-            }
-            part.right[i] = dot(column, &force[own.clone()]);
-        }
-        part.square = dot(&force[own.clone()], &force[own]);
-        part
-    };
-    (0..BLOCKS).map(block).collect()
 }
 
 /// Squares that are left of each block by a fit to the others, summed.

@@ -288,26 +288,8 @@ impl<'a> SpecimenData<'a> {
 
     /// Products of columns block by block.
     pub fn parts(&self, columns: &[Vec<f64>], target: &[f64]) -> Vec<Equations> {
-        let n = columns.len();
-        self.edges
-            .windows(2)
-            .map(|e| {
-                let mut part = Equations::zero(n);
-                let of = |c: &[f64]| c[e[0]..e[1]].to_vec();
-                let own: Vec<Vec<f64>> = columns.iter().map(|c| of(c)).collect();
-                let y = of(target);
-                for i in 0..n {
-                    for j in 0..=i {
-                        let g = dot(&own[i], &own[j]);
-                        part.gram[i * n + j] = g;
-                        part.gram[j * n + i] = g;
-                    }
-                    part.right[i] = dot(&own[i], &y);
-                }
-                part.square = dot(&y, &y);
-                part
-            })
-            .collect()
+        let each = self.blocks().map(|b| Equations::of(columns, target, b));
+        each.collect()
     }
 
     /// What a model answers to a record, N; `None` where a signal is missing.
