@@ -1,10 +1,11 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence | --noise | --settle=N]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams] [--only WORD] [--list] [--evidence | --noise | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
+//! `--rams` sets rams under their position loops, every second one sound.
 //! `--noise` compares the noise that is stated of the records without a rest with the true one.
 //! `--settle=100` plays what `--next` designs on the first hundred rigs whose first record is ambiguous, twice at most, and what the
 //! notes advise.
@@ -15,7 +16,7 @@ mod settle;
 mod sit;
 
 use exam::devices::{devices, set_device};
-use exam::field::{Field, Mark, causes, set_field};
+use exam::field::{Field, Mark, causes, faults, set_field, set_ram};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sit::Sat;
@@ -24,15 +25,12 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let list = arguments.iter().any(|a| a == "--list");
     let in_laboratories = arguments.iter().any(|a| a == "--devices");
-    let set: fn(u64) -> Field = if in_laboratories {
-        set_device
+    let (set, names): (fn(u64) -> Field, Vec<_>) = if in_laboratories {
+        (set_device, devices().collect())
+    } else if arguments.iter().any(|a| a == "--rams") {
+        (set_ram, faults().collect())
     } else {
-        set_field
-    };
-    let names: Vec<_> = if in_laboratories {
-        devices().collect()
-    } else {
-        causes().collect()
+        (set_field, causes().collect())
     };
     let range = |a: &String| -> Option<Vec<u64>> {
         match a.split_once("..") {

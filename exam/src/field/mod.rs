@@ -19,6 +19,7 @@ mod drive;
 mod force;
 mod mark;
 mod motion;
+mod ram;
 mod reading;
 mod stand;
 
@@ -33,6 +34,7 @@ use crate::record::Record;
 use drive::Drive;
 use force::Cause;
 use motion::Plan;
+use ram::{Fault, Ram};
 use reading::Reading;
 use stand::Machine;
 
@@ -81,6 +83,27 @@ pub fn set_field(seed: u64) -> Field {
         Some(cause) => specimen(seed, *cause, &mut dice),
         None => actuator(seed, Drive::ALL[turn - Cause::ALL.len()], &mut dice),
     }
+}
+
+/// Faults of rams, by name.
+pub fn faults() -> impl Iterator<Item = &'static str> {
+    Fault::ALL.iter().map(|f| f.name())
+}
+
+/// The record of a ram under its position loop; half of them are sound, faults take turns. What is declared was identified on a calm
+/// day, with tolerances as a laboratory has them.
+pub fn set_ram(seed: u64) -> Field {
+    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x4A11);
+    let plan = Plan::of_rams(&mut dice);
+    let reading = Reading::of_rams(&mut dice);
+    let ram = Ram::draw(Fault::of(seed), plan.amplitude_mm, plan.speed(), &mut dice);
+    let command = plan.motions(&mut dice).swap_remove(0).x;
+    let fitted = ram.identified(&command, &mut dice);
+    let tolerances = [0.005, 1.0, 2.0, 0.05];
+    let own: [Parameter; 4] = std::array::from_fn(|i| Parameter::new(fitted[i], tolerances[i]));
+    let truth = ram.truth();
+    let stand = Stand::new(Machine::Ram(ram), reading, &plan);
+    field(seed, Believed::Actuator(own), &plan, (stand, truth), &mut dice)
 }
 
 /// A declared value that is off by about a tolerance.

@@ -138,6 +138,20 @@ impl Plan {
         }
     }
 
+    /// Of a laboratory's ram: two records with a rest.
+    pub(super) fn of_rams(dice: &mut Dice) -> Self {
+        let high_hz = dice.log_between(1.0, 4.0);
+        Self {
+            kind: dice.pick(&[Move::Multisine, Move::Chirp, Move::Random, Move::Growing]),
+            amplitude_mm: dice.log_between(8.0, 40.0) / high_hz,
+            high_hz,
+            rate_hz: 500.0,
+            seconds: 20.0,
+            rest_s: Some(REST_S),
+            spans: Spans::TwoFiles,
+        }
+    }
+
     /// Its motion, and how it is cut.
     pub(super) fn name(&self) -> String {
         let short = if self.seconds < 7.0 { "short " } else { "" };

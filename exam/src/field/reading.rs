@@ -34,6 +34,14 @@ impl Reading {
         }
     }
 
+    /// Of a laboratory's ram: 16 bits, and a good transducer's noise.
+    pub(super) fn of_rams(dice: &mut Dice) -> Self {
+        Self {
+            noise: dice.log_between(3e-4, 1.5e-3),
+            bits: 16,
+        }
+    }
+
     /// Whether a converter's steps are in the record.
     pub(super) const fn has_steps(&self) -> bool {
         self.bits > 0

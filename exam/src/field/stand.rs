@@ -2,7 +2,7 @@
 
 use super::motion::{Moved, Plan};
 use super::reading::{self, Reading};
-use super::{drive, force};
+use super::{drive, force, ram};
 use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ};
 use crate::record::Record;
@@ -14,6 +14,8 @@ pub(super) enum Machine {
     Specimen(force::Rig),
     /// Nothing hangs on it.
     Actuator(drive::Rig),
+    /// Its position loop, and what it works against.
+    Ram(ram::Ram),
 }
 
 /// A rig with its transducers. Only the scorer has it; the examinee may have it play.
@@ -58,6 +60,7 @@ impl Stand {
         let (x, command, force) = match &self.machine {
             Machine::Specimen(rig) => (moved.x.clone(), None, Some(rig.force(&moved.x, dice))),
             Machine::Actuator(rig) => (rig.displacement(&moved.x, dice), Some(&moved.x[..]), None),
+            Machine::Ram(ram) => (ram.displacement(&moved.x), Some(&moved.x[..]), None),
         };
         let ranges = || reading::scale(&x, force.as_deref().unwrap_or_default());
         let scale = *self.scale.get_or_insert_with(ranges);
