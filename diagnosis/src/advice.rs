@@ -3,7 +3,6 @@
 use crate::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
 use crate::base::Base;
 use crate::criteria::REACH;
-use crate::noise::Noise;
 use crate::signals::{difference, mean};
 use plant::{Channel, Effect, Family};
 
@@ -20,64 +19,6 @@ pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
             ci90: [f64::NAN; 2],
         })
         .collect()
-}
-
-/// Sentences for a colleague.
-pub fn notes(
-    answer: &ChannelAnswer,
-    structured: [f64; 2],
-    noise: &Noise,
-    worse: bool,
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    let unit = &answer.unit;
-    let name = answer.channel.name();
-    match answer.verdict {
-        Verdict::None => notes.push(format!(
-            "What the {name} model leaves differs from a noise of {:.3} {unit} rms by {:.3} {unit}: no more than such a noise \
-             hides.",
-            noise.rms, structured[0]
-        )),
-        Verdict::Effect | Verdict::Ambiguous | Verdict::Partial if !answer.effects.is_empty() => {
-            let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();
-            notes.push(format!(
-                "The {name} model lacks {}: beyond the noise it leaves {:.4} {unit} rms without and {:.4} {unit} with it.",
-                names.join(" and "),
-                structured[0],
-                structured[1]
-            ));
-        }
-        Verdict::Unknown => notes.push(format!(
-            "Something is missing in the {name} model ({:.4} {unit} rms beyond the noise), and no effect of the library \
-             accounts for it; nothing is added to the model.",
-            structured[0]
-        )),
-        _ => {}
-    }
-    if worse {
-        notes.push(
-            "The effect that fitted the training data best makes the held-out data worse: it is not what is missing."
-                .into(),
-        );
-    }
-    if answer.verdict == Verdict::Ambiguous
-        && let Some(first) = answer.effects.first()
-    {
-        notes.push(experiment(first.name).to_owned());
-    }
-    if let (Verdict::Effect | Verdict::Partial | Verdict::Ambiguous, [low, _]) =
-        (answer.verdict, answer.improvement_ci90)
-        && low <= 0.0
-        && answer
-            .effects
-            .iter()
-            .all(|e| e.name != Effect::Quantisation)
-    {
-        notes.push(
-            "On the held-out data the improvement is not certain: its interval includes 0.".into(),
-        );
-    }
-    notes
 }
 
 /// Share of the held-out squares from which on their mean is most of what is left.

@@ -1,6 +1,5 @@
 //! From a model and records to an answer.
 
-mod actuator_search;
 mod by_engine;
 mod channel;
 mod corners;
@@ -15,18 +14,14 @@ mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
-use crate::criteria::single::KNOWN;
-use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
-use crate::known_actuator::KnownActuator;
 use crate::model::Model;
-use crate::noise::hum::MAINS_HZ;
-use crate::problem::{FittedEffect, Problem};
+use crate::problem::Problem;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::{advice, anomalies, input, interpretation, plausible, remainder, spectrum, wear};
+use crate::{advice, anomalies, input, interpretation, plausible, remainder, wear};
 use channel::ChannelDiagnosis;
-use plant::{Channel, Family};
+use plant::Channel;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
@@ -69,20 +64,17 @@ pub fn diagnose(
     let (train, test, rest) = (&train[..], &test[..], &rest[..]);
     let mut improved = model.clone();
     let mut channels = Vec::new();
-    // The specimen comes last: it moves as the actuator's model says, once that is known well.
-    let mut known_actuator = None;
     for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
         let channel = ChannelDiagnosis {
             base,
             train,
             test,
             rest,
-            known_actuator: known_actuator.take(),
         };
-        let (mut answer, found) = channel.judge(&mut improved);
+        let mut answer = channel.judge(&mut improved);
         channel.doubt_none(&mut answer);
         channel.excuse_corners(&mut answer);
-        actuator_search::limit_floor(&mut answer, f64::INFINITY);
+        noise_floor::limit_floor(&mut answer, f64::INFINITY);
         let lines = channel.lines_in_place_of_noise(&mut answer);
         channel.analyse_residual(&mut answer, lines);
         channel.note_disturbances(&mut answer);
@@ -97,12 +89,6 @@ pub fn diagnose(
         channel.save_nearest(&answer, &mut improved);
         correct_errors(&mut answer, train, test);
         channels.push(answer);
-        let known = found.map(|solution| KnownActuator {
-            cutoff_hz: channel.cutoff_hz(),
-            base: channel.base,
-            solution,
-        });
-        known_actuator = known.filter(|d| d.tells(train));
     }
     let mut remarks: Vec<String> = [train, test]
         .into_iter()
@@ -146,14 +132,6 @@ fn correct_errors(answer: &mut ChannelAnswer, train: &[Recording], test: &[Recor
     }
 }
 
-/// The strongest line near the mains' frequency in what the declared model leaves, Hz.
-fn line_hz(settled: &Solution) -> Option<f64> {
-    let scales = &settled.problem.scales;
-    let residual = settled.problem.residuals(&[], scales);
-    let longest = residual.iter().max_by_key(|r| r.len())?;
-    spectrum::line_hz(longest, scales.interval_s, MAINS_HZ[0], MAINS_HZ[1]).map(|l| l.0)
-}
-
 impl ChannelDiagnosis<'_> {
     fn blank(&self, verdict: Verdict) -> ChannelAnswer {
         ChannelAnswer {
@@ -189,85 +167,44 @@ impl ChannelDiagnosis<'_> {
 
     /// The records as this channel sees them.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
-        let motion = |r| self.known_actuator.as_ref().and_then(|d| d.motion(r));
-        let motions: Vec<Option<Vec<f64>>> = records.iter().map(motion).collect();
-        Problem::new(&self.base, records, cutoff_hz, &motions)
+        Problem::new(&self.base, records, cutoff_hz, &[])
     }
 
     /// As [`assess`](Self::assess), unless a rail of the output passes for another effect there.
-    fn judge(&self, improved: &mut Model) -> (ChannelAnswer, Option<Solution>) {
+    fn judge(&self, improved: &mut Model) -> ChannelAnswer {
         let mut with = improved.clone();
-        let (mut answer, mut found) = self.assess(&mut with);
+        let mut answer = self.assess(&mut with);
         let mut quiet = improved.clone();
         if let Some(beside) = self.beside_hum(&answer, &mut quiet) {
-            (answer, found, with) = (beside, None, quiet);
+            (answer, with) = (beside, quiet);
         }
         if let Some(why) = self.rail(&answer) {
-            return (self.not_assessed(why), None);
+            return self.not_assessed(why);
         }
         *improved = with;
-        (answer, found)
+        answer
     }
 
-    /// The answer, and what explains the channel where it does so down to the noise.
-    fn assess(&self, improved: &mut Model) -> (ChannelAnswer, Option<Solution>) {
+    fn assess(&self, improved: &mut Model) -> ChannelAnswer {
         if let Some(why) = self.obstacle() {
-            return (self.not_assessed(why), None);
+            return self.not_assessed(why);
         }
         let cutoff_hz = self.cutoff_hz();
         let Some(problem) = self.problem(self.train, cutoff_hz) else {
-            return (self.not_assessed("a signal is missing"), None);
+            return self.not_assessed("a signal is missing");
         };
         let Some(noise) = self.noise(cutoff_hz) else {
-            return (self.errors_without_verdict(&problem, cutoff_hz), None);
+            return self.errors_without_verdict(&problem, cutoff_hz);
         };
         let settled = settle(&problem, &self.base, &noise, &[]);
         let steps = |s: &Solution| self.is_quantisation_only(s, &noise);
-        if let Some(settled) = settled.clone().filter(steps) {
-            let nothing = Explanation::nothing(settled);
-            return (self.answer(&nothing, &noise, cutoff_hz, improved), None);
+        if let Some(settled) = settled.filter(steps) {
+            return self.nothing_but_steps(&settled, &noise, cutoff_hz);
         }
-        if self.base.channel == Channel::Specimen {
-            let answer = self.specimen_by_engine(improved);
-            let none = || self.errors_without_verdict(&problem, cutoff_hz);
-            return (answer.unwrap_or_else(none), None);
-        }
-        let explanation = settled.and_then(|mut settled| {
-            settled.problem.scales.line_hz = line_hz(&settled);
-            explain(settled, &self.base, &noise)
-        });
-        let Some(explanation) = explanation else {
-            let why = "the declared parameters cannot be told apart in this record";
-            return (self.not_assessed(why), None);
+        let answer = match self.base.channel {
+            Channel::Specimen => self.specimen_by_engine(improved),
+            Channel::Actuator => self.actuator_by_engine(noise, improved),
         };
-        let mut with = improved.clone();
-        let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
-        if self.base.known.is_empty() {
-            let stands = self.leaves_noise_only(&answer, &noise, explanation.structured[1]);
-            // Motion is lost in a valve, in a linkage and to friction: the valve's is only in the joint search.
-            let lost = |e: &FoundEffect| matches!(e.family, Family::Friction | Family::Gap);
-            if !stands || answer.effects.iter().any(lost) {
-                let mut model = improved.clone();
-                let better = |a: &ChannelAnswer| {
-                    !stands
-                        || !a.effects.is_empty()
-                            && a.error_after.test_rms < answer.error_after.test_rms
-                };
-                if let Some(answer) = self
-                    .joint_actuator_search(&noise, &mut model)
-                    .filter(better)
-                {
-                    *improved = model;
-                    return (answer, None);
-                }
-            }
-        }
-        *improved = with;
-        let mut solution = explanation.after;
-        // What disturbs the reading does not move the specimen.
-        let disturbs = |e: &FittedEffect| e.candidate.effect.entry().family == Family::Interference;
-        solution.effects.retain(|e| !disturbs(e));
-        let known = !explanation.vetoed && explanation.structured[1] < KNOWN * noise.rms;
-        (answer, known.then_some(solution))
+        answer.unwrap_or_else(|| self.errors_without_verdict(&problem, cutoff_hz))
     }
 }

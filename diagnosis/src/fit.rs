@@ -264,12 +264,6 @@ pub struct Solution {
     pub problem: Problem,
     /// The effects.
     pub effects: Vec<FittedEffect>,
-    /// Sum of squares of the white residual and of what was known beforehand.
-    pub cost: f64,
-    /// Unknowns: amplitudes and shapes of the effects.
-    pub unknowns: usize,
-    /// White samples.
-    pub samples: usize,
 }
 
 /// Moves the declared parameters (and the amplitudes of `effects`, whose shapes stay) to their best, linear again and
@@ -289,7 +283,7 @@ pub fn settle(
         plant::Channel::Actuator => 5,
     };
     let mut promised = f64::INFINITY;
-    let (mut last, mut samples) = (None, 0);
+    let mut last = None;
     // The way to the declared parameters is shorter while what acts once may act a little more or less; in the end it acts
     // once, as it does in the model that is saved.
     let acts_once = |(c, _): &(Candidate, Vec<f64>)| {
@@ -302,7 +296,6 @@ pub fn settle(
         if round >= rounds {
             frame.act_once();
         }
-        samples = frame.samples;
         let found = frame.alone()?;
         let mut theta = problem.theta;
         for (f, change) in base.free.iter().zip(&found.values) {
@@ -330,17 +323,8 @@ pub fn settle(
                 .collect(),
         })
         .collect();
-    // An amplitude that can be hardly other than 1 is not one that was chosen.
-    let chosen = |f: &FittedEffect| {
-        let bounds = (f.candidate.bounds)(&problem.scales);
-        bounds.iter().filter(|b| !b.is_once()).count()
-    };
-    let unknowns = fitted.iter().map(|f| f.shapes.len() + chosen(f)).sum();
     Some(Solution {
         problem,
         effects: fitted,
-        cost: found.cost,
-        unknowns,
-        samples,
     })
 }

@@ -1,12 +1,7 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
 use crate::answer::ParameterEstimate;
-use crate::base::Base;
-use crate::fit::Solution;
 use crate::linear::{dot, gram};
-use crate::noise::Noise;
-use crate::problem::FittedEffect;
-use crate::sensitivity::{EffectUnknown, Jacobian, unknowns};
 use nalgebra::{DMatrix, DVector};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -17,37 +12,6 @@ pub const NINETY: f64 = 1.645;
 const BLOCK_S: f64 = 0.25;
 /// Lengths of the sandwich's blocks, s.
 const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
-
-/// The parameters of each effect of a solution.
-pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<ParameterEstimate>> {
-    let scales = solution.problem.scales;
-    let values = |effects: &[FittedEffect], which: usize| {
-        let e = &effects[which];
-        (e.candidate.parameters)(&e.amplitudes, &e.shapes, &scales)
-    };
-    let covariance = covariance(solution, base, noise);
-    let mut first = base.free.len();
-    (0..solution.effects.len())
-        .map(|which| {
-            let e = &solution.effects[which];
-            let unknowns: Vec<EffectUnknown> = unknowns(which, e);
-            let central = values(&solution.effects, which);
-            let mut gradient = DMatrix::zeros(central.len(), unknowns.len());
-            for (j, unknown) in unknowns.iter().enumerate() {
-                let (moved, step) = unknown.moved(&solution.effects);
-                for (i, (there, here)) in values(&moved, which).iter().zip(&central).enumerate() {
-                    gradient[(i, j)] = (there.2 - here.2) / step;
-                }
-            }
-            let part = covariance.as_ref().map(|c| {
-                c.view((first, first), (unknowns.len(), unknowns.len()))
-                    .into_owned()
-            });
-            first += unknowns.len();
-            around(central, &gradient, part.as_ref())
-        })
-        .collect()
-}
 
 /// Values with their intervals, from how they change with the unknowns and how those vary together; without that they are
 /// not known at all.
@@ -64,65 +28,6 @@ pub fn around(
     };
     let with = |(i, (name, unit, value))| (name, unit, value, [value - half(i), value + half(i)]);
     values.into_iter().enumerate().map(with).collect()
-}
-
-/// `H^-1 (sum of outer products of the blocks' scores) H^-1`, over declared parameters and all unknowns of the effects.
-fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix<f64>> {
-    let scales = solution.problem.scales;
-    let Jacobian {
-        columns,
-        residual,
-        known,
-    } = Jacobian::of(solution, base, noise);
-    let n = columns.len();
-    let mut bread: DMatrix<f64> = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    // Scores of blocks of several lengths: of what is correlated over more than a block, the longer see more.
-    let meats: Vec<DMatrix<f64>> = BLOCKS_S
-        .iter()
-        .map(|seconds| {
-            let block = ((seconds / scales.interval_s) as usize / noise.every).max(4);
-            let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
-            let mut blocks = 0.0;
-            for start in (0..residual.len()).step_by(block) {
-                let end = (start + block).min(residual.len());
-                let score = DVector::from_fn(n, |i, _| {
-                    dot(&columns[i][start..end], &residual[start..end])
-                });
-                meat += &score * score.transpose();
-                blocks += 1.0;
-            }
-            // What was fitted has taken its share of the scatter.
-            meat * (blocks / (blocks - n as f64).max(0.5 * blocks))
-        })
-        .collect();
-    let own = |i: usize| {
-        meats
-            .iter()
-            .map(|m| m[(i, i)])
-            .fold(bread[(i, i)], f64::max)
-    };
-    // At least what the noise alone makes: few blocks can agree by chance. Rows and columns grow together, so that
-    // what cannot be told apart stays so.
-    let grow = DVector::from_fn(n, |i, _| {
-        (own(i) / meats[0][(i, i)].max(f64::MIN_POSITIVE)).sqrt()
-    });
-    let mut meat = DMatrix::from_fn(n, n, |i, j| meats[0][(i, j)] * grow[i] * grow[j]);
-    for p in known {
-        bread[(p.index, p.index)] += p.precision;
-        meat[(p.index, p.index)] += p.precision;
-    }
-    // Scaled, since units differ by orders of magnitude.
-    let scale = DVector::from_fn(n, |i, _| {
-        let own = bread[(i, i)].sqrt();
-        // What these samples do not tell at all does not vary.
-        if own > 0.0 { 1.0 / own } else { 0.0 }
-    });
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        bread[(i, j)] * scale[i] * scale[j] + if i == j { 1e-9 } else { 0.0 }
-    });
-    let inverse = scaled.cholesky()?.inverse();
-    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
-    Some(&inverse * meat * &inverse)
 }
 
 /// Standard deviations of the unknowns of a linear fit from what it leaves, by [`by_segments`] of half a second and more.

@@ -20,8 +20,6 @@ pub struct Noise {
     pub rms: f64,
     /// What tells it.
     pub from: NoiseSource,
-    /// Number of blocks at rest, and the scatter of their mean squares over the mean square.
-    blocks: (f64, f64),
     /// So many samples are averaged into one before anything is fitted: a rig moves far below half of that rate.
     pub every: usize,
     /// Autoregressive coefficients: `e_t = (r_t - sum a_i r_{t-i}) / innovation_rms` is white.
@@ -29,8 +27,6 @@ pub struct Noise {
     innovation_rms: f64,
     /// The rest that this was learnt from, averaged.
     at_rest: Vec<Vec<f64>>,
-    /// Mean square that the converter's steps alone make.
-    least: f64,
 }
 
 /// What tells the noise.
@@ -86,18 +82,15 @@ impl Noise {
         let square: f64 = clean.iter().map(|s| dot(s, s)).sum();
         let least = (least_rms * least_rms).max(f64::MIN_POSITIVE);
         let variance = (square / whole as f64).max(least);
-        let blocks = scatter(&clean, interval_s, variance);
         let clean: Vec<Vec<f64>> = clean.iter().map(|s| averaged(s, every)).collect();
         let (coefficients, innovation) = whitener(&clean, least / every as f64);
         Self {
             rms: variance.sqrt(),
             from: NoiseSource::Rest,
-            blocks,
             every,
             coefficients,
             innovation_rms: innovation.sqrt(),
             at_rest: clean,
-            least,
         }
     }
 
@@ -137,27 +130,6 @@ impl Noise {
     /// The same noise, told by something else than a rest.
     pub fn with_source(self, from: NoiseSource) -> Self {
         Self { from, ..self }
-    }
-
-    /// The noise of signals that are averaged over `times` as many samples beforehand.
-    pub fn thinned(&self, times: usize) -> Self {
-        let at_rest: Vec<Vec<f64>> = self.at_rest.iter().map(|s| averaged(s, times)).collect();
-        let (coefficients, innovation) =
-            whitener(&at_rest, self.least / (self.every * times) as f64);
-        Self {
-            every: 1,
-            coefficients,
-            innovation_rms: innovation.sqrt(),
-            at_rest,
-            ..*self
-        }
-    }
-
-    /// Whether a residual of this rms over so many seconds is more than this noise by more than chance.
-    pub fn is_below(&self, residual_rms: f64, seconds: f64) -> bool {
-        let (at_rest, scatter) = self.blocks;
-        let error = scatter * (1.0 / at_rest + BLOCK_S / seconds).sqrt();
-        (residual_rms / self.rms).powi(2) > 1.0 + CHANCE * error
     }
 
     /// White with variance 1, where `r` is this noise, averaged over [`Self::every`] samples; what the filter needs to
@@ -206,25 +178,6 @@ fn above(
         sample.iter_mut().for_each(|s| *s *= most / seen);
     }
     Some((sample, above.sure))
-}
-
-/// Length of a block, s: longer than the noise remembers.
-const BLOCK_S: f64 = 0.25;
-/// So many standard errors are no chance; the scatter itself is known from a dozen blocks only.
-const CHANCE: f64 = 5.0;
-
-/// Blocks and the relative scatter of their mean squares, which is at least that of white noise.
-fn scatter(segments: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64) {
-    let block = ((BLOCK_S / interval_s) as usize).max(4);
-    let squares: Vec<f64> = segments
-        .iter()
-        .flat_map(|s| s.chunks_exact(block))
-        .map(|c| dot(c, c) / block as f64)
-        .collect();
-    let n = squares.len().max(1) as f64;
-    let spread: f64 = squares.iter().map(|s| (s - variance).powi(2)).sum();
-    let relative = (spread / (n - 1.0).max(1.0)).sqrt() / variance;
-    (n, relative.max((2.0 / block as f64).sqrt()))
 }
 
 /// Mean and slope taken off: what drifts at rest is no noise either.

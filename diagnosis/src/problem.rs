@@ -376,12 +376,6 @@ impl Problem {
         y
     }
 
-    /// Length of all segments, s.
-    pub fn seconds(&self) -> f64 {
-        let samples: usize = self.segments.iter().map(|s| s.seen(&s.target).len()).sum();
-        samples as f64 * self.scales.interval_s
-    }
-
     /// Measured less modelled, segment by segment, from the first sample on that is looked at; 0 where nobody measured.
     pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {

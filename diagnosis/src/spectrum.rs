@@ -28,20 +28,6 @@ impl Motion {
     }
 }
 
-/// Largest share of the acceleration that a motion may have above the cut-off most of the time.
-const JITTER: f64 = 0.02;
-
-/// Whether a displacement without noise jitters above the cut-off all the time, as behind a command that carries the
-/// noise of a closed loop: what a rig makes of that between two samples nobody knows.
-pub fn jitters(x: &[f64], interval_s: f64, cutoff_hz: f64) -> bool {
-    let all = Motion::of(x, interval_s).a;
-    let slow = smooth(x, interval_s, cutoff_hz).a;
-    let rms = (slow.iter().map(|a| a * a).sum::<f64>() / slow.len() as f64).sqrt();
-    let mut above: Vec<f64> = all.iter().zip(&slow).map(|(a, s)| (a - s).abs()).collect();
-    above.sort_by(f64::total_cmp);
-    above[above.len() / 2] > JITTER * rms
-}
-
 /// Low-pass without phase and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends
 /// meet with equal slope. `cutoff_hz` is where the amplitude has fallen to a half.
 pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {

@@ -3,8 +3,13 @@
 use super::channel::ChannelDiagnosis;
 use crate::advice;
 use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
-use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
-use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Named, Said, SpecimenData};
+use crate::criteria::{
+    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, POSITION_LOOP, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
+};
+use crate::drivetrain::without_known as without_known_motion;
+use crate::engine::{
+    self, ActuatorChannel, Asked, Candidate, Found, KnownNoise, Named, Said, SpecimenData,
+};
 use crate::interval;
 use crate::model::Model;
 use crate::noise::hum::without_hum;
@@ -29,11 +34,53 @@ struct ChannelData<'a, A> {
     told: bool,
     /// Where the displacement is cut off, Hz.
     cutoff_hz: f64,
-    /// What is left below this share of the output is within the class of a good transducer.
+    /// What is left below this share of the output is within the class of a good transducer: a name that is sure stands where a rest
+    /// tells that it is no noise.
     transducer: f64,
+    /// Below the first, what any device of its kind leaves of its textbook model: only what comes down to the noise stands; below the
+    /// second nothing is said to be unknown.
+    ordinary: [f64; 2],
 }
 
 impl<A: Asked> ChannelData<'_, A> {
+    /// Whether what the declared model leaves is no more than what may be said of it is worth.
+    fn is_of_its_class(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
+        let share = left.test_nrmse;
+        let beyond = self.beyond_noise(left);
+        let to_the_noise = Self::comes_to_the_noise(said);
+        let unknown = matches!(said, Said::Unknown(_));
+        share < self.transducer && !(self.told && matches!(said, Said::Names(_)))
+            || beyond < self.ordinary[0] && !(to_the_noise && self.is_loud(left))
+            || self.is_ordinary(left) && unknown && !to_the_noise
+    }
+
+    /// Whether a model of what is said leaves nothing but noise.
+    fn comes_to_the_noise(said: &Said<A::Fit>) -> bool {
+        match said {
+            Said::Names(n) => n.model.evidence.left_rms() < engine::UNEXPLAINED,
+            Said::Set(c, _) | Said::Unknown(Some(c)) => {
+                c.evidence.left_rms() < engine::UNEXPLAINED
+            }
+            _ => false,
+        }
+    }
+
+    /// The share of the output that is left, of what is no noise where a rest tells that.
+    fn beyond_noise(&self, left: &Errors) -> f64 {
+        let noise = if self.told { self.noise.rms } else { 0.0 };
+        left.test_nrmse * (1.0 - (noise / left.test_rms).powi(2)).max(0.0).sqrt()
+    }
+
+    /// What is left is as loud as the noise, beside it.
+    fn is_loud(&self, left: &Errors) -> bool {
+        left.test_rms > std::f64::consts::SQRT_2 * self.noise.rms
+    }
+
+    /// What is left is what any device of its kind leaves.
+    fn is_ordinary(&self, left: &Errors) -> bool {
+        self.beyond_noise(left) < self.ordinary[1]
+    }
+
     fn left(&self, fit: &A::Fit) -> Option<Left> {
         let [train, test] = self.bare;
         Some([
@@ -91,6 +138,35 @@ impl ChannelDiagnosis<'_> {
             told,
             cutoff_hz: data.cutoff_hz,
             transducer: TRANSDUCER,
+            ordinary: [0.0; 2],
+        };
+        self.answer_of(&channel, &found, improved)
+    }
+
+    /// The same of an actuator.
+    pub(super) fn actuator_by_engine(&self, noise: Noise, improved: &mut Model) -> Option<ChannelAnswer> {
+        let [train, test] = [self.train, self.test].map(|records| without_known_motion(&self.base, records));
+        let (train, test) = (train?, test?);
+        let data = ActuatorChannel::new(&self.base, &train)?;
+        let told = noise.from == NoiseSource::Rest;
+        let [averages, samples] = [data.every, 1].map(|every| KnownNoise {
+            variance: noise.variance_of_means(every),
+            told,
+        });
+        let found = engine::actuator(&data, averages, samples)?;
+        let channel = ChannelData {
+            data: &data,
+            bare: [&train, &test],
+            noise,
+            told,
+            cutoff_hz: self.cutoff_hz(),
+            transducer: DISPLACEMENT_TRANSDUCER,
+            // A path without a lag is no position loop.
+            ordinary: if self.base.values[2] > 0.0 {
+                POSITION_LOOP
+            } else {
+                [0.0; 2]
+            },
         };
         self.answer_of(&channel, &found, improved)
     }
@@ -112,9 +188,7 @@ impl ChannelDiagnosis<'_> {
         let mut after = None;
         match &found.said {
             Said::Nothing => {}
-            // A name that is sure stands where a rest tells that it is no noise.
-            said if answer.error_before.test_nrmse < channel.transducer
-                && !(channel.told && matches!(said, Said::Names(_))) => {}
+            said if channel.is_of_its_class(said, &answer.error_before) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
                 after = self.take_named(&mut answer, channel, &before, named, improved);
@@ -134,6 +208,11 @@ impl ChannelDiagnosis<'_> {
                     answer.nearest = Some(nearest_of(name, &before[1], &left));
                 }
             }
+        }
+        let structured = !ChannelData::<A>::comes_to_the_noise(&found.said);
+        let unknown = answer.verdict == Verdict::Unknown && structured;
+        if unknown && channel.is_ordinary(&answer.error_before) {
+            (answer.verdict, answer.nearest) = (Verdict::None, None);
         }
         answer.unnamed = Some(found.unnamed);
         let kept = after.as_ref().unwrap_or(&before);

@@ -1,14 +1,11 @@
 //! One channel and the records that it is judged by.
 
 use crate::base::Base;
-use crate::known_actuator::KnownActuator;
 use crate::recording::Recording;
 use plant::Channel;
 
 /// One channel and its data.
 pub struct ChannelDiagnosis<'a> {
-    /// The actuator, where it is known well.
-    pub known_actuator: Option<KnownActuator>,
     /// What is declared.
     pub base: Base,
     /// Records to search in.

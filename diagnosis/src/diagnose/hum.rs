@@ -3,7 +3,7 @@
 use super::by_engine::without_mains;
 use super::channel::ChannelDiagnosis;
 use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
-use crate::criteria::FALSE_SINGLES;
+use crate::criteria::FALSE_LINES;
 use crate::criteria::LINES;
 use crate::interval;
 use crate::model::Model;
@@ -40,13 +40,12 @@ impl ChannelDiagnosis<'_> {
         }
         let frequency_hz = *lines_at_rest(x, longest.0).first()?;
         let quiet = ChannelDiagnosis {
-            known_actuator: None,
             base: self.base.clone(),
             train: &clean_train,
             test: &clean_test,
             rest: &clean_rest,
         };
-        let (mut beside, _) = quiet.assess(improved);
+        let mut beside = quiet.assess(improved);
         let amplitude_mm = std::f64::consts::SQRT_2 * hum_mm;
         // A hum swells and fades with what else is on: by a tenth.
         let about = |x: f64, by: f64| [x - by, x + by];
@@ -68,7 +67,7 @@ impl ChannelDiagnosis<'_> {
         beside.effects.insert(
             0,
             FoundEffect {
-                q: Some(FALSE_SINGLES[0]),
+                q: Some(FALSE_LINES),
                 ..FoundEffect::new(Effect::MainsHum, parameters)
             },
         );

@@ -1,9 +1,10 @@
 //! The noise floor of a channel: what tells it, and what its converters' steps make of it.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::ChannelAnswer;
+use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::LOUD_REST;
-use crate::criteria::single::{IN_STEPS, WITHIN};
+use crate::criteria::actuator::BY_CHANCE;
+use crate::criteria::{IN_STEPS, WITHIN};
 use crate::fit::Solution;
 use crate::noise::hum::without_hum;
 use crate::noise::{self, Noise, NoiseSource};
@@ -194,4 +195,20 @@ impl ChannelDiagnosis<'_> {
         let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
         (beyond as f64) < 0.01 * all.len() as f64
     }
+}
+
+/// A floor is not above what is reached: what was taken for noise then changes with the motion.
+pub(super) fn limit_floor(answer: &mut ChannelAnswer, trained: f64) {
+    let reached = trained.min(answer.error_after.test_rms);
+    if answer.verdict == Verdict::NotAssessed || answer.noise_floor_rms <= reached {
+        return;
+    }
+    if answer.noise_floor_rms > BY_CHANCE * reached {
+        answer.notes.push(format!(
+            "A noise of {:.3} {} was read off the record, and the model leaves less: that noise changes with the motion, and \
+             what is left is stated as the floor.",
+            answer.noise_floor_rms, answer.unit
+        ));
+    }
+    answer.noise_floor_rms = reached;
 }

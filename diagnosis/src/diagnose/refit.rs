@@ -5,7 +5,7 @@ use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
 use crate::criteria::{LEAST_SURE, REACH, UNNAMED};
-use crate::explain::best_alone;
+use crate::fit::{Frame, settle};
 use crate::interval::{self, NINETY};
 use crate::library::candidates;
 use crate::model::Model;
@@ -155,7 +155,12 @@ impl ChannelDiagnosis<'_> {
         let (Some(candidate), Some(problem), Some(noise)) = (candidate, problem, noise) else {
             return;
         };
-        let Some(fitted) = best_alone(candidate, &problem, &self.base, &noise) else {
+        let thin = problem.thinned(noise.every);
+        let frame = Frame::new(&thin, &self.base, &noise, &[]);
+        let fitted = frame
+            .search(&candidate)
+            .and_then(|(shapes, _)| settle(&problem, &self.base, &noise, &[(candidate, shapes)]));
+        let Some(fitted) = fitted else {
             return;
         };
         let Some((_, effects)) = improved.channel_mut(self.base.channel) else {

@@ -3,8 +3,8 @@
 use super::part::{ActuatorScales, Part, PartKind};
 use super::signal_path::{Run, SignalPath};
 use crate::base::Base;
-use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
+use crate::engine::score::{BLOCKS, edges};
 use crate::linear::{Bound, Factor, Normal, dot, gram, solve, stacked};
 use crate::signals::{add_columns, clear, difference, difference_quotient};
 use nalgebra::DVector;
@@ -40,6 +40,31 @@ pub struct PartSet {
     pub moved: [bool; DECLARED],
 }
 
+impl PartSet {
+    /// Nothing but the declared parameters, within their tolerances.
+    pub const fn held() -> Self {
+        Self {
+            parts: Vec::new(),
+            moved: [false; DECLARED],
+        }
+    }
+
+    /// Parts, and parameters that may leave their tolerances.
+    pub fn size(&self) -> usize {
+        self.parts.len() + self.moved.iter().filter(|m| **m).count()
+    }
+
+    /// Whether it is the same but for its shapes.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let kinds = |s: &Self| {
+            let mut kinds: Vec<PartKind> = s.parts.iter().map(|p| p.kind).collect();
+            kinds.sort_by_key(|k| *k as u8);
+            kinds
+        };
+        self.moved == other.moved && kinds(self) == kinds(other)
+    }
+}
+
 /// A model at its best.
 #[derive(Clone, Debug)]
 pub struct ActuatorFit {
@@ -69,11 +94,15 @@ impl<'a> ActuatorData<'a> {
         let ends = target
             .iter()
             .fold([f64::MAX, f64::MIN], |[l, h], x| [l.min(*x), h.max(*x)]);
-        let speeds = runs.iter().flat_map(|r| {
-            r.target
-                .windows(5)
-                .map(|w| (w[4] - w[0]).abs() / (4.0 * interval_s))
-        });
+        let apart = |r: &Run, i: usize| {
+            let last = r.target.len() - 1;
+            let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
+            (r.target[to] - r.target[from]).abs() / ((to - from).max(1) as f64 * interval_s)
+        };
+        let speeds = runs
+            .iter()
+            .flat_map(|r| (0..r.target.len()).map(|i| apart(r, i)));
+        let speeds: Vec<f64> = speeds.collect();
         let openings = runs.iter().flat_map(|r| {
             let command = r.command[r.lead..].iter();
             command.zip(&r.target).map(|(u, x)| base.values[0] * u - x)
@@ -85,7 +114,7 @@ impl<'a> ActuatorData<'a> {
         let tiny = 1e-9 * (ends[1] - ends[0]).max(f64::MIN_POSITIVE);
         let sizes = ActuatorScales {
             x_mm: 0.5 * (ends[1] - ends[0]),
-            speed_mm_per_s: speeds.fold(tiny, f64::max),
+            speed_mm_per_s: speeds.iter().copied().fold(tiny, f64::max),
             opening_mm: openings[(n as f64 * 0.98) as usize].max(tiny),
             interval_s,
             seconds: n as f64 * interval_s / runs.len() as f64,
@@ -96,7 +125,7 @@ impl<'a> ActuatorData<'a> {
             interval_s,
             sizes,
             base,
-            edges: (0..=BLOCKS).map(|b| b * n / BLOCKS).collect(),
+            edges: edges(&speeds),
             target,
             unmeasured,
         }
@@ -137,6 +166,17 @@ impl<'a> ActuatorData<'a> {
             },
             value + reach,
         ]
+    }
+
+    /// Gain, delay s, lag s and offset as declared.
+    pub fn declared_values(&self) -> [f64; DECLARED] {
+        let v = self.base.values;
+        [v[0], 1e-3 * v[1], 1e-3 * v[2], v[3]]
+    }
+
+    /// How many samples each block has.
+    pub fn block_samples(&self) -> [f64; BLOCKS] {
+        std::array::from_fn(|b| (self.edges[b + 1] - self.edges[b]) as f64)
     }
 
     /// Squares on each block.
@@ -377,23 +417,21 @@ impl<'a> ActuatorData<'a> {
 
     /// Squares on each block of the fit as it would be without that block, to first order; what stands at a bound stays.
     pub fn cross_validated(&self, fit: &ActuatorFit) -> Option<[f64; BLOCKS]> {
-        let free: Vec<&Vec<f64>> = self.free_slopes(fit);
-        let owned: Vec<Vec<f64>> = free.into_iter().cloned().collect();
-        if owned.is_empty() {
+        let columns = self.free_slopes(fit);
+        if columns.is_empty() {
             return Some(self.squares(&fit.residual));
         }
-        let whole = gram(&owned);
+        let whole = gram(&columns);
         let mut out = [0.0; BLOCKS];
         for (b, out) in out.iter_mut().enumerate() {
             let (from, end) = (self.edges[b], self.edges[b + 1]);
-            let part: Vec<Vec<f64>> = owned.iter().map(|s| s[from..end].to_vec()).collect();
-            let r = &fit.residual[from..end];
+            let part: Vec<Vec<f64>> = columns.iter().map(|s| s[from..end].to_vec()).collect();
             let mut matrix = &whole - gram(&part);
             for i in 0..matrix.nrows() {
                 matrix[(i, i)] += 1e-9 * whole[(i, i)];
             }
             // Without the block the sum of slopes times residuals is less by the block's.
-            let mut left = r.to_vec();
+            let mut left = fit.residual[from..end].to_vec();
             Factor::of(matrix)?.add_regression(&part, &mut left, 1.0);
             *out = dot(&left, &left);
         }
@@ -401,7 +439,7 @@ impl<'a> ActuatorData<'a> {
     }
 
     /// The slopes of what may move: not at a bound, and not held at one value.
-    fn free_slopes<'f>(&self, fit: &'f ActuatorFit) -> Vec<&'f Vec<f64>> {
+    pub fn free_slopes(&self, fit: &ActuatorFit) -> Vec<Vec<f64>> {
         let inside = |value: f64, [low, high]: [f64; 2]| {
             let room = 1e-9 * (high - low).clamp(0.0, 1e6);
             value > low + room && value < high - room
@@ -421,7 +459,7 @@ impl<'a> ActuatorData<'a> {
         fit.slopes
             .iter()
             .zip(values)
-            .filter_map(|(s, free)| free.then_some(s))
+            .filter_map(|(s, free)| free.then(|| s.clone()))
             .collect()
     }
 }

@@ -1,71 +1,59 @@
-//! Parts between command and displacement, up to four together, searched jointly on the simulated displacement, and a
-//! certificate for each name.
-//!
-//! The steps of a record: [`signal_path`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
-//! block), [`search`], [`verdict`] (which of the names can be vouched for).
+//! What is between command and displacement, simulated: a [`signal_path`] of [`part`]s, its [`fit`] (least squares, and the data left
+//! out block by block), and how it is [`save`]d. The engine searches among them (`engine/actuator.rs`).
 
 mod fit;
 pub(crate) mod part;
 mod save;
-mod search;
 pub(crate) mod signal_path;
-mod verdict;
 
-pub use fit::{ActuatorData, ActuatorFit};
-pub use verdict::ActuatorOutcome;
+pub use fit::{ActuatorData, ActuatorFit, DECLARED, PartSet};
 
 use crate::base::Base;
 use crate::criteria::actuator::{A_CYCLE, MOST_SETTLING, SEARCHED, TOO_MANY};
+use crate::problem::Problem;
 use crate::recording::Recording;
-use crate::rest;
+use crate::signals::difference;
 use crate::spectrum::{self, motion_band_hz};
-use search::PartSearch;
 use signal_path::Run;
 
-/// What the search came to.
-#[derive(Debug)]
-pub struct ActuatorResult {
-    /// The declared model, its parameters within their tolerances.
-    pub declared: ActuatorFit,
-    /// What can be said.
-    pub outcome: ActuatorOutcome,
-    /// How far each single part got: its name and the squares that it leaves, of the declared model's.
-    pub tried: Vec<(plant::Effect, f64)>,
-}
-
-/// Searches; `None` where a signal is missing or the equations have no solution.
-pub fn find(base: &Base, train: &[Recording]) -> Option<ActuatorResult> {
-    let whole = data(base, train, 1)?;
+/// So many samples of records are averaged for a search.
+pub fn thinning(whole: &ActuatorData, train: &[Recording]) -> usize {
     let band = train
         .iter()
         .filter_map(|r| motion_band_hz(r.displacement_mm.as_ref()?, r.interval_s()))
         .fold(0.0, f64::max);
     let samples = whole.target.len();
     let [fine, coarse] = A_CYCLE.map(|c| (1.0 / (c * band * whole.interval_s)).floor() as usize);
-    let every = samples
+    samples
         .div_ceil(SEARCHED)
         .min(fine)
         .max(samples.div_ceil(TOO_MANY).min(coarse))
-        .max(1);
-    let thin = data(base, train, every)?;
-    // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
-    let rests = |r: &Recording| rest::spans(r).len() == 2;
-    let (search, declared) = PartSearch::new(&thin, train.iter().all(rests))?;
-    // Best first: of several forms under one name the first.
-    let mut tried: Vec<(plant::Effect, f64)> = Vec::new();
-    for screened_part in search.screened(&declared, &[]) {
-        let name = screened_part.part.kind.effect();
-        if tried.iter().all(|t| t.0 != name) {
-            tried.push((name, screened_part.left(declared.fit.cost)));
-        }
+        .max(1)
+}
+
+/// Records without what effects that the model has from before make of the declared path's answer.
+pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
+    if base.known.is_empty() {
+        return Some(records.to_vec());
     }
-    let outcome = verdict::conclude(&search, &declared);
-    let full = |fit: &ActuatorFit| whole.fit(&fit.model, fit.declared);
-    Some(ActuatorResult {
-        declared: full(&declared.fit)?,
-        outcome: outcome.with(full)?,
-        tried,
-    })
+    let bare = Base {
+        known: Vec::new(),
+        ..base.clone()
+    };
+    let without = |r: &Recording| {
+        let answer = |base| {
+            let problem = Problem::new(base, std::slice::from_ref(r), 0.3 / r.interval_s(), &[])?;
+            let segment = problem.segments.into_iter().next()?;
+            Some(segment.signals.base[segment.lead..].to_vec())
+        };
+        let known = difference(&answer(base)?, &answer(&bare)?);
+        let displacement_mm = Some(difference(r.displacement_mm.as_ref()?, &known));
+        Some(Recording {
+            displacement_mm,
+            ..r.clone()
+        })
+    };
+    records.iter().map(without).collect()
 }
 
 /// Records as the search sees them, averaged over `every` samples.
@@ -106,7 +94,6 @@ fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     Some(Run {
         command: mean(&joined.command_mm?[from..]),
         lead: (kept + skipped) / every,
-        skipped: skipped / every,
         unmeasured: judged.filter(|i| *i < target.len()).collect(),
         target,
         force: force.unwrap_or_default(),

@@ -11,6 +11,8 @@ pub enum PartKind {
     OilColumn,
     /// A cylinder of unequal areas: the flow is e + b e^2 of the valve's opening e; b, 1/mm.
     UnequalAreas,
+    /// A single rod: the flow pushes the piston by 1 + r times and pulls it by 1 - r times what it is in the mean; r.
+    TwoSpeeds,
     /// A valve that overlaps: no flow up to an opening of so many mm.
     Overlap,
     /// A flow that saturates smoothly, e0 tanh(e / e0): e0, mm.
@@ -60,10 +62,11 @@ pub struct ActuatorScales {
 
 impl PartKind {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
+        Self::TwoSpeeds,
         Self::Overlap,
         Self::FlowLimit,
         Self::RateLimit,
@@ -84,7 +87,7 @@ impl PartKind {
         match self {
             Self::SecondLag => Effect::SecondLag,
             Self::OilColumn => Effect::OilColumn,
-            Self::UnequalAreas | Self::SideGain => Effect::AsymmetricActuator,
+            Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Effect::AsymmetricActuator,
             Self::Overlap | Self::DeadBand => Effect::DeadBand,
             Self::FlowLimit | Self::RateLimit => Effect::RateLimit,
             Self::Play => Effect::Backlash,
@@ -97,13 +100,22 @@ impl PartKind {
         }
     }
 
+    /// The declared parameter that it may take out of its tolerance with it, without a name for that: a piston that goes faster one way
+    /// than the other is off its zero in the mean.
+    pub const fn takes_along(self) -> Option<usize> {
+        match self {
+            Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Some(3),
+            _ => None,
+        }
+    }
+
     /// Whether one of the two can stand in for the other: they are not put into one model.
     pub fn is_like(self, other: Self) -> bool {
         let group = |k: Self| match k {
             Self::Play | Self::Friction | Self::Seal | Self::StickySeal => 0,
             Self::Overlap | Self::DeadBand => 1,
             Self::FlowLimit | Self::RateLimit => 2,
-            Self::UnequalAreas | Self::SideGain => 3,
+            Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => 3,
             Self::SecondLag | Self::OilColumn => 4,
             Self::Drift | Self::GainDrift => 5,
             Self::Stops => 6,
@@ -112,6 +124,11 @@ impl PartKind {
         // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
         let beside = |a, b| a == Self::Play && matches!(b, Self::Seal | Self::StickySeal);
         group(self) == group(other) && !beside(self, other) && !beside(other, self)
+    }
+
+    /// Whether it makes a linear path of a higher order.
+    pub const fn is_order(self) -> bool {
+        matches!(self, Self::SecondLag | Self::OilColumn)
     }
 
     /// Whether it adds a column with an amplitude of its own, else it acts inside the signal path.
@@ -132,6 +149,7 @@ impl PartKind {
         matches!(
             self,
             Self::UnequalAreas
+                | Self::TwoSpeeds
                 | Self::Overlap
                 | Self::FlowLimit
                 | Self::RateLimit
@@ -140,12 +158,12 @@ impl PartKind {
         )
     }
 
-    /// What it costs in the score: 1 for one number more, somewhat more for two.
-    pub const fn penalty(self) -> f64 {
+    /// What it costs, nats: how rarely it is met, and a little for each number.
+    pub const fn price(self) -> f64 {
         match self {
-            Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 1.3,
-            Self::StickySeal => 1.6,
-            _ => 1.0,
+            Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 3.7,
+            Self::StickySeal => 4.5,
+            _ => 3.0,
         }
     }
 
@@ -164,6 +182,7 @@ impl PartKind {
             Self::UnequalAreas => [-0.6, -0.2, 0.2, 0.6]
                 .map(|b| shapes([b / s.opening_mm]))
                 .to_vec(),
+            Self::TwoSpeeds => [-0.5, -0.2, 0.2, 0.5].map(|r| shapes([r])).to_vec(),
             Self::Overlap => spread(0.01 * s.opening_mm, 0.5 * s.opening_mm, 6),
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
@@ -190,7 +209,7 @@ impl PartKind {
                 })
                 .collect(),
             Self::Compliance | Self::SideGain => vec![shapes([])],
-            Self::Drift | Self::GainDrift => spread(0.2 * s.seconds, 20.0 * s.seconds, 3),
+            Self::Drift | Self::GainDrift => spread(0.3 * s.seconds, 20.0 * s.seconds, 3),
         }
     }
 
@@ -211,8 +230,9 @@ impl PartKind {
             (Self::OilColumn, 0) => [1.0, 0.4 / s.interval_s],
             (Self::OilColumn, _) => [0.01, 1.0],
             (Self::UnequalAreas, _) => [-1.5 / s.opening_mm, 1.5 / s.opening_mm],
+            (Self::TwoSpeeds, _) => [-0.9, 0.9],
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
-            (Self::FlowLimit, _) => [0.05 * s.opening_mm, 20.0 * s.opening_mm],
+            (Self::FlowLimit, _) => [0.05 * s.opening_mm, 2.0 * s.opening_mm],
             (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
@@ -221,7 +241,7 @@ impl PartKind {
             (Self::Seal | Self::StickySeal, 1) => [3e-4 * s.x_mm, 0.05 * s.x_mm],
             (Self::Seal | Self::StickySeal, 2) => [1.0, 4.0],
             (Self::Seal | Self::StickySeal, _) => [5e-3 * s.speed_mm_per_s, 0.6 * s.speed_mm_per_s],
-            (Self::Drift | Self::GainDrift, _) => [0.05 * s.seconds, 200.0 * s.seconds],
+            (Self::Drift | Self::GainDrift, _) => [0.3 * s.seconds, 200.0 * s.seconds],
             (Self::Compliance | Self::SideGain, _) => [0.0, 0.0],
         }
     }
@@ -233,12 +253,26 @@ impl PartKind {
             (Self::OilColumn, 0) => 0.02,
             (Self::OilColumn, _) => 2e-3,
             (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
+            (Self::TwoSpeeds, _) => 1e-3,
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
             (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
             (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,
             (Self::StickySeal, _) => 1e-2,
             (Self::Drift | Self::GainDrift, _) => 1e-2 * s.seconds,
             _ => 1e-3 * s.x_mm,
+        }
+    }
+}
+
+/// Friction at rest over that in motion below which it is plain friction.
+const STICKS: f64 = 1.05;
+
+impl Part {
+    /// The name of the catalogue.
+    pub fn effect(&self) -> Effect {
+        match self.kind {
+            PartKind::StickySeal if self.shapes[2] < STICKS => Effect::CoulombFriction,
+            kind => kind.effect(),
         }
     }
 }

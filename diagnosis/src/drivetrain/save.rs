@@ -9,8 +9,8 @@ use plant::{Channel, Effect, EffectSpec};
 /// A parameter by the catalogue: name, unit, value, standard deviation.
 pub type Figure = (&'static str, &'static str, f64, f64);
 
-/// Segments whose pulls tell the scatter of what was fitted.
-const SEGMENTS: usize = 24;
+/// Segments whose pulls tell the scatter of what was fitted: of what is correlated for long, the fewer see more.
+const SEGMENTS: [usize; 3] = [12, 24, 48];
 
 /// The declared unit of a parameter in the unit here, where times are in s.
 fn unit(which: usize) -> f64 {
@@ -24,7 +24,14 @@ impl ActuatorData<'_> {
     /// Standard deviation of declared parameters, amplitudes and shapes, from how far segments of the record pull the
     /// fit apart.
     pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
-        interval::by_segments(&fit.slopes, &fit.residual, SEGMENTS)
+        let mut widest = vec![0.0_f64; fit.slopes.len()];
+        for segments in SEGMENTS {
+            let own = interval::by_segments(&fit.slopes, &fit.residual, segments);
+            for (widest, own) in widest.iter_mut().zip(own) {
+                *widest = widest.max(own);
+            }
+        }
+        widest
     }
 
     /// The parameters of a name in a fit; `spread` is of this fit.
@@ -33,7 +40,9 @@ impl ActuatorData<'_> {
             let p = &Channel::Actuator.parameters()[i];
             let had = self.base.values[i];
             let error = p.error(fit.declared[i] / unit(i), had);
-            let scatter = spread[i] / unit(i) / p.per_error(had).abs();
+            // What it should be is known to its tolerance.
+            let known = self.base.tolerance(i);
+            let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
             return vec![(p.error_parameter, p.error_unit(), error, scatter)];
         }
         let gain = fit.declared[0].abs();
@@ -56,7 +65,7 @@ impl ActuatorData<'_> {
             } else {
                 (0.0, 0.0)
             };
-            if part.kind.effect() != name {
+            if part.effect() != name {
                 continue;
             }
             let lag_s = fit.declared[2].max(1e-6);
@@ -66,6 +75,7 @@ impl ActuatorData<'_> {
                     vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
                 }
                 PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+                PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
                 PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
                 PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
                 PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
@@ -145,6 +155,7 @@ impl ActuatorData<'_> {
             let parameters = match part.kind {
                 PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
                 PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
+                PartKind::TwoSpeeds => vec![("flow_difference", a)],
                 PartKind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
                 PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],

@@ -11,8 +11,6 @@ pub struct Run {
     pub command: Vec<f64>,
     /// Samples of run-up.
     pub lead: usize,
-    /// So many of them are the record's own first ones.
-    pub skipped: usize,
     /// Measured displacement behind the run-up, mm.
     pub target: Vec<f64>,
     /// Those of its samples that nobody measured.
@@ -198,6 +196,8 @@ struct Flow {
     overlap_mm: f64,
     /// 1/mm.
     unequal_areas: f64,
+    /// Speed one way over that in the mean, less 1.
+    two_speeds: f64,
     /// Opening at which it saturates, mm; infinite where it does not.
     saturates_mm: f64,
     /// mm/s.
@@ -214,6 +214,7 @@ impl Flow {
         Self {
             overlap_mm: of(PartKind::Overlap, 0.0),
             unequal_areas: of(PartKind::UnequalAreas, 0.0),
+            two_speeds: of(PartKind::TwoSpeeds, 0.0),
             saturates_mm: of(PartKind::FlowLimit, f64::INFINITY),
             most: of(PartKind::RateLimit, f64::INFINITY),
             per_lag: 1.0 / lag_s,
@@ -225,6 +226,7 @@ impl Flow {
     fn at(&self, opening_mm: f64) -> f64 {
         let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
         e *= (1.0 + self.unequal_areas * e).max(0.1);
+        e += self.two_speeds * e.abs();
         if self.saturates_mm.is_finite() {
             e = self.saturates_mm * (e / self.saturates_mm).tanh();
         }
@@ -243,7 +245,6 @@ mod tests {
             unmeasured: Vec::new(),
             command,
             lead: 0,
-            skipped: 0,
             force: Vec::new(),
             from_s: 0.0,
         }

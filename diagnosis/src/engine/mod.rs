@@ -18,6 +18,7 @@
 //! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
 //! a [`SpecimenModelFit`] and its residuals.
 
+mod actuator;
 mod asked;
 mod bounded;
 mod cutoff;
@@ -31,7 +32,7 @@ mod one_each;
 mod polish;
 mod posterior;
 mod row;
-mod score;
+pub mod score;
 mod search;
 mod settle;
 mod sliding;
@@ -39,11 +40,12 @@ mod specimen;
 mod unknowns;
 mod verdict;
 
+pub use actuator::{ActuatorChannel, actuator, actuator_each};
 pub use asked::{Asked, Found};
 pub use one_each::one_each;
 pub use posterior::Candidate;
 pub use specimen::{SpecimenData, SpecimenModelFit};
-pub use verdict::{Named, Said};
+pub use verdict::{Named, Said, UNEXPLAINED};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;
@@ -75,13 +77,9 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
     let (atoms, mut found) = data.searched();
     if !noise.told {
-        let quiet = found.iter().map(|s| s.evidence.left).map(|mut left| {
-            left.sort_by(f64::total_cmp);
-            left[2]
-        });
-        let quietest = quiet.fold(f64::INFINITY, f64::min);
-        let raised = (1.0 + quietest).min(AT_MOST * AT_MOST);
-        if raised > 1.2 && raised.is_finite() {
+        let quiet = found.iter().map(|s| s.evidence.quiet());
+        let raised = raised(quiet.fold(f64::INFINITY, f64::min));
+        if raised > 1.0 {
             data.score.noise *= raised;
             found = data.searched().1;
         }
@@ -93,6 +91,16 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
     Some(Found::of(all, declared, noise.told))
+}
+
+/// So many times its variance a noise is that no rest tells, where the best model leaves so much of it in its quietest blocks.
+fn raised(quietest: f64) -> f64 {
+    let raised = (1.0 + quietest).min(AT_MOST * AT_MOST);
+    if raised > 1.2 && raised.is_finite() {
+        raised
+    } else {
+        1.0
+    }
 }
 
 /// The declared model and the leading ones with free functions beside them.

@@ -47,6 +47,13 @@ impl Evidence {
         self.log_density - self.price - self.against
     }
 
+    /// Structure in its third quietest block, as a share of the noise's variance.
+    pub fn quiet(&self) -> f64 {
+        let mut left = self.left;
+        left.sort_by(f64::total_cmp);
+        left[2]
+    }
+
     /// The structure that is left, typical of the blocks, over the noise's rms.
     pub fn left_rms(&self) -> f64 {
         let mean = -2.0 * self.log_density / NU;
@@ -86,6 +93,27 @@ impl Score {
         let structure = self.structure(left);
         std::array::from_fn(|b| 1.0 / (self.samples[b].max(1.0) * (EPS * EPS + structure[b])))
     }
+}
+
+/// First samples of blocks of equal shares of the way, none shorter than a quarter of an even share of the samples.
+pub fn edges(speeds: &[f64]) -> Vec<usize> {
+    let n = speeds.len();
+    let mean = speeds.iter().map(|v| v.abs()).sum::<f64>() / n.max(1) as f64;
+    // A third of the share is the time's, so that slow parts are blocks, too.
+    let mut way = 0.0;
+    let whole = 1.5 * mean * n as f64;
+    let mut all = vec![0];
+    for (i, v) in speeds.iter().enumerate() {
+        way += v.abs() + 0.5 * mean;
+        if all.len() < BLOCKS && way >= whole * all.len() as f64 / BLOCKS as f64 {
+            all.push(i + 1);
+        }
+    }
+    while all.len() < BLOCKS {
+        all.push(n);
+    }
+    all.push(n);
+    all
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::gram::{Grams, Tie};
 use super::law::table;
 use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
-use super::score::{BLOCKS, Evidence, Score};
+use super::score::{Evidence, Score, edges};
 use super::search::{Atom, DECLARED, Scored, Search};
 use crate::base::Base;
 use crate::input;
@@ -365,26 +365,5 @@ fn model_columns(
     if let Some(late_s) = late_s(rows, terms) {
         all.iter_mut().for_each(|c| *c = m.late(c, late_s));
     }
-    all
-}
-
-/// First samples of blocks of equal shares of the way, none shorter than a quarter of an even share of the samples.
-fn edges(speeds: &[f64]) -> Vec<usize> {
-    let n = speeds.len();
-    let mean = speeds.iter().map(|v| v.abs()).sum::<f64>() / n.max(1) as f64;
-    // A third of the share is the time's, so that slow parts are blocks, too.
-    let mut way = 0.0;
-    let whole = 1.5 * mean * n as f64;
-    let mut all = vec![0];
-    for (i, v) in speeds.iter().enumerate() {
-        way += v.abs() + 0.5 * mean;
-        if all.len() < BLOCKS && way >= whole * all.len() as f64 / BLOCKS as f64 {
-            all.push(i + 1);
-        }
-    }
-    while all.len() < BLOCKS {
-        all.push(n);
-    }
-    all.push(n);
     all
 }

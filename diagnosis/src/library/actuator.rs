@@ -19,10 +19,8 @@ const BASIS: Candidate = Candidate {
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
     instead_of: None,
-    from_reading: false,
     bounds: any,
     parameters: |a, _, _| vec![("offset_mm", "mm", a[0])],
-    includes: &[],
 };
 
 /// The shape is the whole delay and one interval more, so that it is never 0.
@@ -92,7 +90,6 @@ pub const CANDIDATES: &[Candidate] = &[
         stage: Some(|y, p, k| resonant(y, p[0], p[1], k.step_s)),
         parameters: |_, p, _| vec![("frequency_hz", "Hz", p[0]), ("damping_ratio", "", p[1])],
         // Far below its frequency it is late by 2 zeta / omega, and no more.
-        includes: &[Effect::SecondLag, Effect::DelayError, Effect::LagError],
         ..STAGE
     },
     Candidate {
@@ -104,7 +101,6 @@ pub const CANDIDATES: &[Candidate] = &[
     BASIS,
     Candidate {
         effect: Effect::RigCompliance,
-        from_reading: true,
         columns: |s, _, _| vec![s.force.iter().map(|f| -f).collect()],
         bounds: positive,
         parameters: |a, _, _| vec![("stiffness_n_per_mm", "N/mm", 1.0 / a[0].max(1e-12))],
@@ -120,7 +116,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("time_constant_s", "s", p[0]),
             ]
         },
-        includes: &[Effect::Offset],
         ..BASIS
     },
     Candidate {
@@ -128,7 +123,6 @@ pub const CANDIDATES: &[Candidate] = &[
         shapes: settling,
         columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, x)| g * x).collect()],
         parameters: |a, p, _| vec![("change", "", a[0]), ("time_constant_s", "s", p[0])],
-        includes: &[Effect::GainError],
         ..BASIS
     },
     Candidate {
@@ -161,7 +155,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("presliding_mm", "mm", p[0]),
             ]
         },
-        includes: &[Effect::CoulombFriction, Effect::Backlash],
         ..BASIS
     },
     Candidate {
@@ -236,6 +229,14 @@ pub const FORMS: &[Candidate] = &[
         shapes: |s| vec![Shape::new(-1.0 / s.x, 1.0 / s.x, 1)],
         stage: Some(|y, p, k| through_valve(y, k, PartKind::UnequalAreas, shapes([p[0]]))),
         parameters: |_, p, _| vec![("unequal_areas_per_mm", "1/mm", p[0])],
+        ..STAGE
+    },
+    // A single rod, x' = (e + r |e|) / T: r.
+    Candidate {
+        effect: Effect::AsymmetricActuator,
+        shapes: |_| vec![Shape::new(-0.9, 0.9, 1)],
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::TwoSpeeds, shapes([p[0]]))),
+        parameters: |_, p, _| vec![("flow_difference", "", p[0])],
         ..STAGE
     },
     // A valve that overlaps: to either side, mm, and the lag behind it, s.

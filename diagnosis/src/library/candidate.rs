@@ -43,14 +43,10 @@ pub struct Candidate {
     pub stage: Option<Stage>,
     /// The declared parameter that its stage takes out and puts in again with its shape added.
     pub instead_of: Option<usize>,
-    /// Its columns are a reading, with the noise of that.
-    pub from_reading: bool,
     /// What its amplitudes may be.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.
     pub parameters: fn(&[f64], &[f64], &Scales) -> Vec<NamedValue>,
-    /// Effects of which this one is a generalisation: it fits whatever they fit.
-    pub includes: &'static [Effect],
 }
 
 impl std::fmt::Debug for Candidate {

@@ -7,8 +7,9 @@ use plant::{Channel, Effect, EffectSpec};
 
 /// The parameters of the forms that only a joint search finds (`actuator::FORMS`, in its order), in the order of their
 /// shapes.
-pub const FORMS: [(Effect, &[&str]); 7] = [
+pub const FORMS: [(Effect, &[&str]); 8] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
+    (Effect::AsymmetricActuator, &["flow_difference"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["opening_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["valve_rate_mm_per_s"]),

@@ -17,10 +17,8 @@ const BASIS: Candidate = Candidate {
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
     instead_of: None,
-    from_reading: false,
     bounds: any,
     parameters: |a, _, _| vec![("offset_n", "N", a[0])],
-    includes: &[],
 };
 
 fn times(x: &[f64], factor: f64) -> Vec<f64> {
@@ -161,7 +159,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("time_constant_s", "s", p[0]),
             ]
         },
-        includes: &[Effect::Offset],
         ..BASIS
     },
     Candidate {
@@ -169,7 +166,6 @@ pub const CANDIDATES: &[Candidate] = &[
         shapes: settling,
         columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, f)| g * f).collect()],
         parameters: |a, p, _| vec![("change", "", a[0]), ("time_constant_s", "s", p[0])],
-        includes: &[Effect::GainError],
         ..BASIS
     },
     Candidate {
@@ -202,7 +198,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("presliding_mm", "mm", p[0]),
             ]
         },
-        includes: &[Effect::CoulombFriction],
         ..BASIS
     },
     Candidate {
@@ -235,7 +230,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("sharpness", "", p[1]),
             ]
         },
-        includes: &[Effect::BilinearHysteresis],
         ..BASIS
     },
     Candidate {
@@ -265,7 +259,6 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, k| vec![times(&op::slipped(&s.x, p[1], p[0]), -k.stiffness)],
         bounds: once,
         parameters: |_, p, k| vec![("gap_mm", "mm", p[0]), ("slip_n", "N", p[1] * k.stiffness)],
-        includes: &[Effect::DeadBand],
         ..BASIS
     },
     Candidate {
@@ -301,7 +294,6 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("relaxation_ms", "ms", 1e3 * p[0]),
             ]
         },
-        includes: &[Effect::ViscousDamping],
         ..BASIS
     },
     Candidate {

@@ -156,11 +156,14 @@ fn run(actuator: Actuator, fault: Option<InjectedFault>, after_steps: u64) -> Ve
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
     let mut moved = 0;
+    let mut before_power_up = None;
     loop {
         desk.step();
         moved += 1;
         if moved % 100 == 0 {
             let log = desk.log();
+            // Samples before the first control step, as long as no fault has reset the chip, which counts them anew.
+            let sampled = *before_power_up.get_or_insert(log.position_m.len() - log.periods);
             let began = log.permitted.iter().position(|p| *p);
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
             if ended || moved > 2000 {
@@ -170,8 +173,6 @@ fn run(actuator: Actuator, fault: Option<InjectedFault>, after_steps: u64) -> Ve
                 let first = desk.steps.iter();
                 let mut running = first.filter(|(_, s)| s.mode() == Some(Mode::Running));
                 let tick = running.next().expect("it runs").0 as usize;
-                // Positions since the first sample.
-                let sampled = log.position_m.len() - log.periods;
                 let since = sampled + tick;
                 let permitted = log.permitted[since..].iter().take_while(|p| **p);
                 let steps = permitted.count();

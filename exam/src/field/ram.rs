@@ -205,7 +205,15 @@ impl Ram {
 
     /// The key.
     pub(super) fn truth(&self) -> Truth {
-        let timing = &["lag_error", "delay_error", "second_lag", "oil_column", "gain_error"][..];
+        // All of them have some friction, and a fault changes the dynamics, too.
+        let timing = &[
+            "lag_error",
+            "delay_error",
+            "second_lag",
+            "oil_column",
+            "gain_error",
+            "coulomb_friction",
+        ][..];
         let (right, beside, nameless): (&[&str], &[&str], bool) = match self.fault {
             Fault::Sound => (&[], &[], false),
             Fault::Sag => (&[], &[], true),

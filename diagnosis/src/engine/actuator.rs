@@ -1,0 +1,422 @@
+//! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
+//! their tolerances; single ones, then one more, another, or one less.
+
+use super::asked::{Asked, Found};
+use super::posterior::Candidate;
+use super::score::{BLOCKS, Evidence, Score};
+use super::verdict::LACKS;
+use super::KnownNoise;
+use crate::answer::ParameterEstimate;
+use crate::base::Base;
+use crate::criteria::POSITION_LOOP;
+use crate::drivetrain::part::{Part, PartKind, Shapes};
+use crate::drivetrain::{self, ActuatorData, ActuatorFit, DECLARED, PartSet};
+use crate::interval::NINETY;
+use crate::linear::{Factor, dot, gram};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::rest;
+use crate::signals::rms;
+use plant::{Channel, Effect};
+use rayon::prelude::*;
+
+/// Models that are carried on.
+const LEADING: usize = 4;
+/// Parts that are tried beside each of them.
+const BESIDE: usize = 4;
+/// Parts and parameters of a model at most.
+const LARGEST: usize = 4;
+/// Another round must bring so much, nats.
+const WORTH_A_ROUND: f64 = 0.5;
+/// Models that are judged on every sample, and none that is so far below the best, nats.
+const JUDGED: usize = 12;
+const FAR_BELOW: f64 = 14.0;
+/// Single causes that are judged in any case.
+const ALONE: usize = 3;
+/// What a declared parameter costs that leaves its tolerance, nats: gain, delay, lag, offset.
+const PARAMETERS: [f64; DECLARED] = [3.4, 3.0, 3.0, 3.2];
+
+/// Delay and lag: what a loop of a higher order looks like.
+const TIMING: [usize; 2] = [1, 2];
+
+/// A model at its best, with what speaks for it.
+#[derive(Clone, Debug)]
+pub struct ActuatorModelFit {
+    fit: ActuatorFit,
+    squares: [f64; BLOCKS],
+    evidence: Evidence,
+    /// A second lag or an oil column, and the delay and the lag beside it, that take no more than any position loop has are no finding.
+    of_its_order: bool,
+}
+
+impl ActuatorModelFit {
+    /// The names that it claims, rising, each once.
+    fn names(&self) -> Vec<Effect> {
+        let model = &self.fit.model;
+        let along = |i: usize| {
+            self.of_its_order && TIMING.contains(&i)
+                || model.parts.iter().any(|p| p.kind.takes_along() == Some(i))
+        };
+        let mistakes = Channel::Actuator.mistakes().into_iter().zip(model.moved);
+        let own = mistakes.enumerate().filter(|(i, n)| n.1 && !along(*i));
+        let mut names: Vec<Effect> = own.map(|(_, n)| n.0).collect();
+        let named = model.parts.iter().filter(|p| !(self.of_its_order && p.kind.is_order()));
+        names.extend(named.map(Part::effect));
+        names.sort_by_key(|n| *n as usize);
+        names.dedup();
+        names
+    }
+
+    /// Whether it has fewer of the same names and is hardly worse.
+    fn does_as_well(&self, other: &Self) -> bool {
+        let (own, others) = (self.names(), other.names());
+        let part = !own.is_empty() && own.iter().all(|n| others.contains(n));
+        part && own.len() < others.len()
+            && self.evidence.score() > other.evidence.score() - LACKS
+    }
+
+    /// The same model without what is of a loop's own order.
+    fn without_order(&self) -> PartSet {
+        let mut model = self.fit.model.clone();
+        model.parts.retain(|p| !p.kind.is_order());
+        TIMING.iter().for_each(|i| model.moved[*i] = false);
+        model
+    }
+}
+
+/// Training data of an actuator.
+#[derive(Debug)]
+pub struct ActuatorChannel<'a> {
+    base: &'a Base,
+    /// Every sample, and averages for the search.
+    whole: ActuatorData<'a>,
+    thin: ActuatorData<'a>,
+    /// Samples that are averaged into one.
+    pub every: usize,
+    kinds: Vec<PartKind>,
+}
+
+impl<'a> ActuatorChannel<'a> {
+    /// Of records without what the model already has; `None` where a signal is missing.
+    pub fn new(base: &'a Base, train: &[Recording]) -> Option<Self> {
+        let whole = drivetrain::data(base, train, 1)?;
+        let every = drivetrain::thinning(&whole, train);
+        let mut kinds = PartKind::ALL.to_vec();
+        if !whole.has_force() {
+            kinds.retain(|k| *k != PartKind::Compliance);
+        }
+        // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
+        if !train.iter().all(|r| rest::spans(r).len() == 2) {
+            kinds.retain(|k| !matches!(k, PartKind::Drift | PartKind::GainDrift));
+        }
+        Some(Self {
+            base,
+            thin: drivetrain::data(base, train, every)?,
+            whole,
+            every,
+            kinds,
+        })
+    }
+}
+
+/// Searches, and decides; of the noise in averages and in single samples.
+pub fn actuator(
+    channel: &ActuatorChannel,
+    averages: KnownNoise,
+    samples: KnownNoise,
+) -> Option<Found<ActuatorModelFit>> {
+    let mut search = Search::new(&channel.thin, &channel.kinds, averages.variance);
+    let mut all = search.run()?;
+    if !averages.told {
+        let quietest = all.iter().map(|f| f.evidence.quiet());
+        let raised = super::raised(quietest.fold(f64::INFINITY, f64::min));
+        search.score.noise *= raised;
+        all.iter_mut().for_each(|f| search.score_anew(f));
+    }
+    sort(&mut all);
+    let raised = search.score.noise / averages.variance.max(f64::MIN_POSITIVE);
+    let judge = Search::new(&channel.whole, &channel.kinds, samples.variance * raised);
+    let best = all.first()?.evidence.score();
+    let near = |f: &&ActuatorModelFit| f.evidence.score() > best - FAR_BELOW;
+    let mut chosen: Vec<PartSet> = Vec::new();
+    let mut claimed: Vec<Vec<Effect>> = Vec::new();
+    for f in all.iter().filter(near) {
+        if chosen.len() < JUDGED && !claimed.contains(&f.names()) {
+            claimed.push(f.names());
+            chosen.push(f.fit.model.clone());
+        }
+    }
+    // What comes nearest is told where nothing is probable, too.
+    let alone = all.iter().filter(|f| f.names().len() == 1).take(ALONE);
+    for f in alone {
+        if !claimed.contains(&f.names()) {
+            chosen.push(f.fit.model.clone());
+        }
+    }
+    let start = all.first()?.fit.declared;
+    let held = PartSet::held();
+    let declared = judge.scored(&held, channel.thin.declared_values())?;
+    let judged = chosen.into_par_iter().filter(|m| *m != held);
+    let mut judged: Vec<ActuatorModelFit> =
+        judged.filter_map(|m| judge.scored(&m, start)).collect();
+    judged.push(declared.clone());
+    judge.know_order(&mut judged);
+    let enough = judged.clone();
+    judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
+    let candidates = judged.into_iter().map(|model| Candidate {
+        names: model.names(),
+        nameless: false,
+        evidence: model.evidence,
+        model,
+    });
+    Some(Found::of(candidates.collect(), declared, averages.told))
+}
+
+/// One model for each name that `wanted` lets through, with one part or one parameter beside the declared ones, and the rms that it
+/// leaves of the training data. Best first.
+pub fn actuator_each(
+    model: &Model,
+    train: &[Recording],
+    wanted: impl Fn(Effect) -> bool,
+) -> Option<Vec<(Effect, Model, f64)>> {
+    let base = Base::of(model, Channel::Actuator)?;
+    let bare = drivetrain::without_known(&base, train)?;
+    let channel = ActuatorChannel::new(&base, &bare)?;
+    let search = Search::new(&channel.thin, &channel.kinds, f64::MIN_POSITIVE);
+    let (_, mut found) = search.alone(&mut Vec::new())?;
+    found.retain(|f| f.fit.model.size() == 1);
+    found.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
+    let mut all: Vec<(Effect, Model, f64)> = Vec::new();
+    for fit in found {
+        let name = fit.names().first().copied();
+        let Some(name) = name.filter(|n| wanted(*n) && all.iter().all(|a| a.0 != *n)) else {
+            continue;
+        };
+        let settled = channel.settled(&fit);
+        let left = rms(&channel.residuals(&settled, &bare)?);
+        let mut with = model.clone();
+        channel.save(&settled, &mut with);
+        if left.is_finite() && with.check().is_ok() {
+            all.push((name, with, left));
+        }
+    }
+    Some(all)
+}
+
+fn sort(all: &mut [ActuatorModelFit]) {
+    all.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
+}
+
+/// Fits and scores models.
+struct Search<'a, 'b> {
+    data: &'a ActuatorData<'b>,
+    kinds: &'a [PartKind],
+    score: Score,
+}
+
+impl<'a, 'b> Search<'a, 'b> {
+    fn new(data: &'a ActuatorData<'b>, kinds: &'a [PartKind], variance: f64) -> Self {
+        let score = Score {
+            noise: variance.max(f64::MIN_POSITIVE),
+            samples: data.block_samples(),
+        };
+        Self { data, kinds, score }
+    }
+
+    /// The model at its best.
+    fn scored(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorModelFit> {
+        let fit = self.data.fit(model, start)?;
+        let squares = self.data.cross_validated(&fit)?;
+        let parts: f64 = model.parts.iter().map(|p| p.kind.price()).sum();
+        let moved = PARAMETERS.iter().zip(model.moved).filter(|p| p.1);
+        let price = parts + moved.map(|p| p.0).sum::<f64>();
+        let evidence = self.score.evidence(&squares, price);
+        evidence.score().is_finite().then_some(ActuatorModelFit {
+            fit,
+            squares,
+            evidence,
+            of_its_order: false,
+        })
+    }
+
+    /// Tells of each model whether its second lag or its oil column takes no more than what any position loop has beyond what was
+    /// declared.
+    fn know_order(&self, all: &mut [ActuatorModelFit]) {
+        let target = &self.data.target;
+        let mean = target.iter().sum::<f64>() / target.len() as f64;
+        let moves = target.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+        let most = POSITION_LOOP[0].powi(2) * moves;
+        let noise = self.score.noise * target.len() as f64;
+        for f in all {
+            if f.fit.model.parts.iter().any(|p| p.kind.is_order()) {
+                let without = self.data.fit(&f.without_order(), f.fit.declared);
+                f.of_its_order = without.is_some_and(|w| w.cost - noise < most);
+            }
+        }
+    }
+
+    fn score_anew(&self, f: &mut ActuatorModelFit) {
+        f.evidence = self.score.evidence(&f.squares, f.evidence.price);
+    }
+
+    /// The declared model, and it with each choice of parameters that leave their tolerances or with each part.
+    fn alone(&self, seen: &mut Vec<PartSet>) -> Option<(ActuatorModelFit, Vec<ActuatorModelFit>)> {
+        let declared = self.scored(&PartSet::held(), self.data.declared_values())?;
+        let bare = (1..1 << DECLARED).map(|bits: usize| PartSet {
+            parts: Vec::new(),
+            moved: std::array::from_fn(|i| bits >> i & 1 == 1),
+        });
+        let alone = self.screened(&declared);
+        let alone = alone.iter().map(|part| PartSet {
+            parts: vec![*part],
+            moved: [false; DECLARED],
+        });
+        let first = bare.chain(alone).map(|m| (m, declared.fit.declared));
+        let all = self.new_ones(seen, first.collect());
+        Some((declared, all))
+    }
+
+    /// Every model that was tried.
+    fn run(&self) -> Option<Vec<ActuatorModelFit>> {
+        let mut seen: Vec<PartSet> = Vec::new();
+        let (declared, mut all) = self.alone(&mut seen)?;
+        all.push(declared);
+        loop {
+            sort(&mut all);
+            let best = all[0].evidence.score();
+            let leading = all.iter().take(LEADING);
+            let next = leading.flat_map(|f| self.neighbours(f));
+            let more = self.new_ones(&mut seen, next.collect());
+            all.extend(more);
+            sort(&mut all);
+            if all[0].evidence.score() < best + WORTH_A_ROUND {
+                return Some(all);
+            }
+        }
+    }
+
+    /// A model with one more, another, or one less.
+    fn neighbours(&self, of: &ActuatorModelFit) -> Vec<(PartSet, [f64; DECLARED])> {
+        let model = &of.fit.model;
+        let mut all = Vec::new();
+        if model.size() < LARGEST {
+            // Of those that can stand in for each other the first.
+            let mut best: Vec<Part> = Vec::new();
+            for part in self.screened(of) {
+                if !best.iter().any(|b| b.kind.is_like(part.kind)) {
+                    best.push(part);
+                }
+            }
+            all.extend(best.iter().take(BESIDE).map(|part| {
+                let mut with = model.clone();
+                with.parts.push(*part);
+                with
+            }));
+        }
+        for i in 0..DECLARED {
+            let mut toggled = model.clone();
+            toggled.moved[i] = !toggled.moved[i];
+            all.extend((toggled.size() <= LARGEST).then_some(toggled));
+        }
+        for i in 0..model.parts.len() {
+            let mut fewer = model.clone();
+            fewer.parts.remove(i);
+            all.push(fewer);
+        }
+        all.into_iter().map(|m| (m, of.fit.declared)).collect()
+    }
+
+    /// Those of some models that are new, at their best.
+    fn new_ones(
+        &self,
+        seen: &mut Vec<PartSet>,
+        models: Vec<(PartSet, [f64; DECLARED])>,
+    ) -> Vec<ActuatorModelFit> {
+        let mut new = Vec::new();
+        for (model, start) in models {
+            if !seen.iter().any(|s| s.is_like(&model)) {
+                seen.push(model.clone());
+                new.push((model, start));
+            }
+        }
+        let fits = new.into_par_iter();
+        fits.filter_map(|(model, start)| self.scored(&model, start))
+            .collect()
+    }
+
+    /// Parts that a fit does not have, each at the best of its grid to first order, those that take most first.
+    fn screened(&self, from: &ActuatorModelFit) -> Vec<Part> {
+        let fit = &from.fit;
+        // What stands at the end of its tolerance takes no part of what a part does.
+        let slopes = self.data.free_slopes(fit);
+        let Some(factor) = Factor::of(gram(&slopes)) else {
+            return Vec::new();
+        };
+        let has = |k: &PartKind| fit.model.parts.iter().any(|p| p.kind.is_like(*k));
+        let kinds: Vec<PartKind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
+        let best = |kind: PartKind| {
+            let at = |shapes: Shapes| {
+                let part = Part { kind, shapes };
+                let mut column = self.data.change(fit, part);
+                factor.add_regression(&slopes, &mut column, -1.0);
+                let square = dot(&column, &column);
+                let pull = dot(&column, &fit.residual);
+                // A part without an amplitude is there as it is, or less of it.
+                let most = if kind.is_column() { f64::INFINITY } else { 1.0 };
+                let least = if kind.is_column() && !kind.is_positive() {
+                    f64::NEG_INFINITY
+                } else {
+                    0.0
+                };
+                let share = (pull / square.max(f64::MIN_POSITIVE)).clamp(least, most);
+                (part, share * (2.0 * pull - share * square))
+            };
+            let grid = kind.grid(&self.data.sizes).into_iter().map(at);
+            grid.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let mut found: Vec<(Part, f64)> = kinds.into_par_iter().filter_map(best).collect();
+        found.retain(|f| f.1 > 0.0);
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found.into_iter().map(|f| f.0).collect()
+    }
+}
+
+impl Asked for ActuatorChannel<'_> {
+    type Fit = ActuatorModelFit;
+
+    fn residuals(&self, fit: &ActuatorModelFit, records: &[Recording]) -> Option<Vec<Vec<f64>>> {
+        let data = drivetrain::data(self.base, records, 1)?;
+        Some(data.by_record(&data.residual(&fit.fit)))
+    }
+
+    fn settled(&self, fit: &ActuatorModelFit) -> ActuatorModelFit {
+        let settled = self.whole.fit(&fit.fit.model, fit.fit.declared);
+        ActuatorModelFit {
+            fit: settled.unwrap_or_else(|| fit.fit.clone()),
+            ..fit.clone()
+        }
+    }
+
+    fn figures(&self, fit: &ActuatorModelFit) -> Vec<(Effect, Vec<ParameterEstimate>)> {
+        let spread = self.whole.spread(&fit.fit);
+        let of = |name| {
+            let own = self.whole.figures(&fit.fit, name, &spread).into_iter();
+            let estimate = |(name, unit, value, sigma): (_, _, f64, f64)| {
+                let half = NINETY * sigma;
+                (name, unit, value, [value - half, value + half])
+            };
+            (name, own.map(estimate).collect())
+        };
+        fit.names().into_iter().map(of).collect()
+    }
+
+    fn declared(&self, fit: &ActuatorModelFit) -> [f64; 4] {
+        let [gain, delay_s, lag_s, offset] = fit.fit.declared;
+        [gain, 1e3 * delay_s, 1e3 * lag_s, offset]
+    }
+
+    fn save(&self, fit: &ActuatorModelFit, model: &mut Model) {
+        let spread = self.whole.spread(&fit.fit);
+        self.whole.save(&fit.fit, &spread, model);
+    }
+}
