@@ -4,7 +4,8 @@ use super::channel::ChannelDiagnosis;
 use crate::advice;
 use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
 use crate::criteria::{
-    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, POSITION_LOOP, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
+    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, POSITION_LOOP, SET_LEAVES, TRANSDUCER,
+    WORTH_A_NAME,
 };
 use crate::drivetrain::without_known as without_known_motion;
 use crate::engine::{
@@ -58,9 +59,7 @@ impl<A: Asked> ChannelData<'_, A> {
     fn comes_to_the_noise(said: &Said<A::Fit>) -> bool {
         match said {
             Said::Names(n) => n.model.evidence.left_rms() < engine::UNEXPLAINED,
-            Said::Set(c, _) | Said::Unknown(Some(c)) => {
-                c.evidence.left_rms() < engine::UNEXPLAINED
-            }
+            Said::Set(c, _) | Said::Unknown(Some(c)) => c.evidence.left_rms() < engine::UNEXPLAINED,
             _ => false,
         }
     }
@@ -144,8 +143,13 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// The same of an actuator.
-    pub(super) fn actuator_by_engine(&self, noise: Noise, improved: &mut Model) -> Option<ChannelAnswer> {
-        let [train, test] = [self.train, self.test].map(|records| without_known_motion(&self.base, records));
+    pub(super) fn actuator_by_engine(
+        &self,
+        noise: Noise,
+        improved: &mut Model,
+    ) -> Option<ChannelAnswer> {
+        let [train, test] =
+            [self.train, self.test].map(|records| without_known_motion(&self.base, records));
         let (train, test) = (train?, test?);
         let data = ActuatorChannel::new(&self.base, &train)?;
         let told = noise.from == NoiseSource::Rest;

@@ -11,6 +11,8 @@ use nalgebra::DVector;
 
 /// The declared parameters: gain, delay, lag, offset.
 pub const DECLARED: usize = 4;
+/// Delay and lag.
+const TIMING: [usize; 2] = [1, 2];
 /// Linear steps of a fit at most.
 const STEPS: usize = 10;
 /// A fall of the squares that is not worth another step, as a share.
@@ -52,6 +54,26 @@ impl PartSet {
     /// Parts, and parameters that may leave their tolerances.
     pub fn size(&self) -> usize {
         self.parts.len() + self.moved.iter().filter(|m| **m).count()
+    }
+
+    /// The same with one thing less of what a path of a higher order looks like: a second lag, an oil column, another delay or lag.
+    pub fn without_each_of_order(&self) -> Vec<Self> {
+        let mut all = Vec::new();
+        for i in 0..self.parts.len() {
+            if self.parts[i].kind.is_order() {
+                let mut fewer = self.clone();
+                fewer.parts.remove(i);
+                all.push(fewer);
+            }
+        }
+        for i in TIMING {
+            if self.moved[i] {
+                let mut fewer = self.clone();
+                fewer.moved[i] = false;
+                all.push(fewer);
+            }
+        }
+        all
     }
 
     /// Whether it is the same but for its shapes.

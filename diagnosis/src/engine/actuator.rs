@@ -1,11 +1,11 @@
 //! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
 //! their tolerances; single ones, then one more, another, or one less.
 
+use super::KnownNoise;
 use super::asked::{Asked, Found};
 use super::posterior::Candidate;
 use super::score::{BLOCKS, Evidence, Score};
 use super::verdict::LACKS;
-use super::KnownNoise;
 use crate::answer::ParameterEstimate;
 use crate::base::Base;
 use crate::criteria::POSITION_LOOP;
@@ -36,32 +36,25 @@ const ALONE: usize = 3;
 /// What a declared parameter costs that leaves its tolerance, nats: gain, delay, lag, offset.
 const PARAMETERS: [f64; DECLARED] = [3.4, 3.0, 3.0, 3.2];
 
-/// Delay and lag: what a loop of a higher order looks like.
-const TIMING: [usize; 2] = [1, 2];
-
 /// A model at its best, with what speaks for it.
 #[derive(Clone, Debug)]
 pub struct ActuatorModelFit {
     fit: ActuatorFit,
     squares: [f64; BLOCKS],
     evidence: Evidence,
-    /// A second lag or an oil column, and the delay and the lag beside it, that take no more than any position loop has are no finding.
-    of_its_order: bool,
+    /// Of its model what is claimed: delay, lag, second lag and oil column that take no more than any position loop has are no finding.
+    named: PartSet,
 }
 
 impl ActuatorModelFit {
     /// The names that it claims, rising, each once.
     fn names(&self) -> Vec<Effect> {
-        let model = &self.fit.model;
-        let along = |i: usize| {
-            self.of_its_order && TIMING.contains(&i)
-                || model.parts.iter().any(|p| p.kind.takes_along() == Some(i))
-        };
+        let model = &self.named;
+        let along = |i: usize| model.parts.iter().any(|p| p.kind.takes_along() == Some(i));
         let mistakes = Channel::Actuator.mistakes().into_iter().zip(model.moved);
         let own = mistakes.enumerate().filter(|(i, n)| n.1 && !along(*i));
         let mut names: Vec<Effect> = own.map(|(_, n)| n.0).collect();
-        let named = model.parts.iter().filter(|p| !(self.of_its_order && p.kind.is_order()));
-        names.extend(named.map(Part::effect));
+        names.extend(model.parts.iter().map(Part::effect));
         names.sort_by_key(|n| *n as usize);
         names.dedup();
         names
@@ -71,16 +64,7 @@ impl ActuatorModelFit {
     fn does_as_well(&self, other: &Self) -> bool {
         let (own, others) = (self.names(), other.names());
         let part = !own.is_empty() && own.iter().all(|n| others.contains(n));
-        part && own.len() < others.len()
-            && self.evidence.score() > other.evidence.score() - LACKS
-    }
-
-    /// The same model without what is of a loop's own order.
-    fn without_order(&self) -> PartSet {
-        let mut model = self.fit.model.clone();
-        model.parts.retain(|p| !p.kind.is_order());
-        TIMING.iter().for_each(|i| model.moved[*i] = false);
-        model
+        part && own.len() < others.len() && self.evidence.score() > other.evidence.score() - LACKS
     }
 }
 
@@ -160,7 +144,7 @@ pub fn actuator(
     let mut judged: Vec<ActuatorModelFit> =
         judged.filter_map(|m| judge.scored(&m, start)).collect();
     judged.push(declared.clone());
-    judge.know_order(&mut judged);
+    judged.par_iter_mut().for_each(|f| judge.know_order(f));
     let enough = judged.clone();
     judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
     let candidates = judged.into_iter().map(|model| Candidate {
@@ -235,23 +219,36 @@ impl<'a, 'b> Search<'a, 'b> {
             fit,
             squares,
             evidence,
-            of_its_order: false,
+            named: model.clone(),
         })
     }
 
-    /// Tells of each model whether its second lag or its oil column takes no more than what any position loop has beyond what was
-    /// declared.
-    fn know_order(&self, all: &mut [ActuatorModelFit]) {
+    /// Takes from what a model claims, one after the other, what it can be without and leave no more than any position loop does beyond
+    /// its lag.
+    fn know_order(&self, f: &mut ActuatorModelFit) {
         let target = &self.data.target;
         let mean = target.iter().sum::<f64>() / target.len() as f64;
         let moves = target.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-        let most = POSITION_LOOP[0].powi(2) * moves;
         let noise = self.score.noise * target.len() as f64;
-        for f in all {
-            if f.fit.model.parts.iter().any(|p| p.kind.is_order()) {
-                let without = self.data.fit(&f.without_order(), f.fit.declared);
-                f.of_its_order = without.is_some_and(|w| w.cost - noise < most);
+        let most = noise + POSITION_LOOP[0].powi(2) * moves;
+        let mut claimed = f.fit.model.clone();
+        loop {
+            let without = claimed
+                .without_each_of_order()
+                .into_iter()
+                .filter_map(|model| {
+                    let cost = self.data.fit(&model, f.fit.declared)?.cost;
+                    (cost < most).then_some((model, cost))
+                });
+            match without.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((fewer, _)) => claimed = fewer,
+                None => break,
             }
+        }
+        // A delay or a lag alone is a declared parameter that is wrong.
+        let is_order = f.fit.model.parts.iter().any(|p| p.kind.is_order());
+        if claimed.size() > 0 || is_order {
+            f.named = claimed;
         }
     }
 
@@ -266,11 +263,12 @@ impl<'a, 'b> Search<'a, 'b> {
             parts: Vec::new(),
             moved: std::array::from_fn(|i| bits >> i & 1 == 1),
         });
-        let alone = self.screened(&declared);
-        let alone = alone.iter().map(|part| PartSet {
+        let of = |part: &Part| PartSet {
             parts: vec![*part],
             moved: [false; DECLARED],
-        });
+        };
+        let alone = self.screened(&declared);
+        let alone = alone.iter().map(of);
         let first = bare.chain(alone).map(|m| (m, declared.fit.declared));
         let all = self.new_ones(seen, first.collect());
         Some((declared, all))

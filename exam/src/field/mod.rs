@@ -103,7 +103,13 @@ pub fn set_ram(seed: u64) -> Field {
     let own: [Parameter; 4] = std::array::from_fn(|i| Parameter::new(fitted[i], tolerances[i]));
     let truth = ram.truth();
     let stand = Stand::new(Machine::Ram(ram), reading, &plan);
-    field(seed, Believed::Actuator(own), &plan, (stand, truth), &mut dice)
+    field(
+        seed,
+        Believed::Actuator(own),
+        &plan,
+        (stand, truth),
+        &mut dice,
+    )
 }
 
 /// A declared value that is off by about a tolerance.

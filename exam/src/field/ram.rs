@@ -93,7 +93,12 @@ pub(super) struct Ram {
 }
 
 impl Ram {
-    pub(super) fn draw(fault: Fault, amplitude_mm: f64, speed_mm_per_s: f64, dice: &mut Dice) -> Self {
+    pub(super) fn draw(
+        fault: Fault,
+        amplitude_mm: f64,
+        speed_mm_per_s: f64,
+        dice: &mut Dice,
+    ) -> Self {
         let of = |f: Fault, yes: f64, no: f64| if fault == f { yes } else { no };
         let top = 1e-3 * speed_mm_per_s;
         let large = dice.between(2.0, 4.0);
@@ -102,9 +107,17 @@ impl Ram {
             delay_s: dice.between(5e-4, 2e-3),
             lag_s: dice.between(10e-3, 25e-3),
             valve_hz: dice.between(60.0, 120.0),
-            oil_hz: of(Fault::SoftHoses, dice.between(14.0, 20.0), dice.between(70.0, 110.0)),
+            oil_hz: of(
+                Fault::SoftHoses,
+                dice.between(14.0, 20.0),
+                dice.between(70.0, 110.0),
+            ),
             load: dice.between(0.0, 4e4) / (1e-3 * amplitude_mm),
-            seals: of(Fault::TightSeals, dice.between(4e3, 7e3), dice.between(1e2, 4e2)),
+            seals: of(
+                Fault::TightSeals,
+                dice.between(4e3, 7e3),
+                dice.between(1e2, 4e2),
+            ),
             speed: top * of(Fault::SmallValve, dice.between(0.75, 0.95), large),
             overlap: of(Fault::Overlap, dice.between(0.05, 0.08), 0.0),
             area_ratio: of(Fault::SingleRod, dice.between(0.5, 0.7), 1.0),
@@ -145,7 +158,10 @@ impl Ram {
         for _ in 0..9 {
             let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [f64::from(i), f64::from(j)]));
             let tried = around.map(|[i, j]| {
-                let place = [(at[0] + i * reach[0]).max(0.0), (at[1] + j * reach[1]).max(1e-3)];
+                let place = [
+                    (at[0] + i * reach[0]).max(0.0),
+                    (at[1] + j * reach[1]).max(1e-3),
+                ];
                 (place, left(place[0], place[1]).1)
             });
             let best = tried.min_by(|a, b| a.1.total_cmp(&b.1));
