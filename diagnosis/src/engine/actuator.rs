@@ -89,6 +89,10 @@ impl<'a> ActuatorChannel<'a> {
         if !whole.has_force() {
             kinds.retain(|k| *k != PartKind::Compliance);
         }
+        // Where no lag is declared, a second one is the first.
+        if base.values[2] == 0.0 {
+            kinds.retain(|k| *k != PartKind::SecondLag);
+        }
         // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
         if !train.iter().all(|r| rest::spans(r).len() == 2) {
             kinds.retain(|k| !matches!(k, PartKind::Drift | PartKind::GainDrift));

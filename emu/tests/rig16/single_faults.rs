@@ -21,10 +21,10 @@ struct Actuator {
     valve_m_per_s: f64,
 }
 
-/// That of the table: a large valve behind the delay of Table 1.
+/// That of the table: the delay of Table 1, and a valve that lets it go 300 mm in 0.3 s.
 const USUAL: Actuator = Actuator {
     delay_ms: 3.0,
-    valve_m_per_s: 2.0,
+    valve_m_per_s: 1.0,
 };
 
 /// A fault as it stands in the table.
@@ -76,6 +76,13 @@ const FAULTS: [InjectedFault; 42] = [
     Drill(8),
 ];
 
+/// A load cell whose sign turns in a running test looks like a specimen that breaks: it is left to the energy, the force and the stroke
+/// (docs/hazards.md).
+const LIKE_A_BREAK: InjectedFault = ReversedForce;
+
+/// With PERMIT before a test starts, control steps, at most.
+const BEFORE_THE_START: usize = 150;
+
 /// Control steps with PERMIT at which a fault comes: while the target rises, near its peak, and behind it.
 const PHASES: [u64; 3] = [1250, 1400, 1700];
 
@@ -98,7 +105,7 @@ fn desk(
     });
     desk.load();
     let mut limited = config();
-    limited.limits.tracking_m = Some(1.5e-3);
+    limited.limits.tracking_m = Some(1e-3);
     limited.limits.disagree_m = Some(1e-3);
     limited.limits.force_stands_m = Some(2e-3);
     let reply = desk.ask(Command::Configure(limited));
@@ -190,10 +197,14 @@ fn beyond_in_a_test(
     plan: &[f64],
 ) -> f64 {
     let went = run(actuator, Some(fault), after_steps);
-    let apart = went
-        .iter()
-        .zip(plan)
-        .map(|(went, plan)| (went - plan).abs());
+    // Who holds a test stays where the plan was.
+    let held = (fault == Button).then(|| after_steps as usize - BEFORE_THE_START);
+    let apart = went.iter().zip(plan).enumerate().map(|(i, (went, now))| {
+        let since = held.map_or(i, |held| held.min(i));
+        let places = plan[since..=i].iter().chain([now]);
+        let nearest = places.map(|plan| (went - plan).abs());
+        nearest.fold(f64::INFINITY, f64::min)
+    });
     let beyond_m = apart.fold(0.0, f64::max);
     println!(
         "{fault:?} after {after_steps} steps: PERMIT fell {} steps after the start, {:.2} mm beyond the plan",
@@ -214,7 +225,7 @@ fn each(faults: &[InjectedFault], phases: &[u64]) {
         if beyond > BEYOND_M {
             wrong.push(format!("{fault:?} before arming: {:.2} mm", beyond * 1e3));
         }
-        for after in phases {
+        for after in phases.iter().filter(|_| *fault != LIKE_A_BREAK) {
             let beyond = beyond_in_a_test(USUAL, *fault, *after, &plan);
             if beyond > BEYOND_M {
                 wrong.push(format!("{fault:?} after {after}: {:.2} mm", beyond * 1e3));

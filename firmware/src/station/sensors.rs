@@ -16,7 +16,7 @@ const NO_FORCE_SHARE: f64 = 0.02;
 pub struct SensorLimits {
     /// Largest difference of the two displacements, m.
     disagree_m: f32,
-    /// Motion over which the force has to leave `no_force_n`, m.
+    /// Motion over which the force has to leave `no_force_n`, or its code, m.
     force_stands_m: f32,
     /// Force around zero that is none, N, of each actuator.
     no_force_n: [f32; MAX_ACTUATORS],
@@ -45,6 +45,8 @@ impl SensorLimits {
 pub struct SensorWatch<const A: usize> {
     /// Least and largest displacement since the force was last there, m.
     range_m: [[f32; 2]; A],
+    /// The last force, N.
+    last_n: [f32; A],
     apart_steps: u8,
 }
 
@@ -53,6 +55,7 @@ impl<const A: usize> SensorWatch<A> {
     pub const fn new() -> Self {
         Self {
             range_m: [[f32::MAX, f32::MIN]; A],
+            last_n: [0.0; A],
             apart_steps: 0,
         }
     }
@@ -88,12 +91,16 @@ impl<const A: usize> SensorWatch<A> {
             .then_some(Fault::ForceStands)
     }
 
+    /// Around zero, or at one code: a reading that lives has noise, also where a specimen yields.
     fn force_stands(&mut self, limits: &SensorLimits, read: &[[f32; 2]; A], tests: bool) -> bool {
         let mut stands = false;
-        let each = self.range_m.iter_mut().zip(read).zip(&limits.no_force_n);
-        for ((range_m, &[m, n]), &none_n) in each {
+        let seen = self.range_m.iter_mut().zip(&mut self.last_n);
+        let each = seen.zip(read).zip(&limits.no_force_n);
+        for (((range_m, last_n), &[m, n]), &none_n) in each {
             let [least, most] = range_m;
-            if tests && n.abs() <= none_n {
+            let is_the_same = n.to_bits() == last_n.to_bits();
+            *last_n = n;
+            if tests && (n.abs() <= none_n || is_the_same) {
                 (*least, *most) = (least.min(m), most.max(m));
                 stands |= *most - *least > limits.force_stands_m;
             } else {
