@@ -112,13 +112,13 @@ impl ActuatorData<'_> {
                         stiffness * stiffness * ss,
                     )]
                 }
-                PartKind::SideGain => vec![("difference", "", strength, ss)],
+                PartKind::SideGain => vec![("difference", "", strength / gain, ss / gain)],
                 PartKind::Drift => vec![
                     ("rate_mm_per_s", "mm/s", strength / a, ss / a),
                     ("time_constant_s", "s", a, sa),
                 ],
                 PartKind::GainDrift => vec![
-                    ("change", "", strength, ss),
+                    ("change", "", strength / gain, ss / gain),
                     ("time_constant_s", "s", a, sa),
                 ],
             });

@@ -11,7 +11,6 @@ use crate::base::Base;
 use crate::criteria::POSITION_LOOP;
 use crate::drivetrain::part::{Part, PartKind, Shapes};
 use crate::drivetrain::{self, ActuatorData, ActuatorFit, DECLARED, PartSet};
-use crate::interval::NINETY;
 use crate::linear::{Factor, dot, gram};
 use crate::model::Model;
 use crate::recording::Recording;
@@ -33,6 +32,8 @@ const JUDGED: usize = 12;
 const FAR_BELOW: f64 = 14.0;
 /// Single causes that are judged in any case.
 const ALONE: usize = 3;
+/// Half of a 90 % interval in standard deviations, Student's of 7: they are told by twelve segments of a record, less some five unknowns.
+const NINETY: f64 = 1.895;
 /// What a declared parameter costs that leaves its tolerance, nats: gain, delay, lag, offset.
 const PARAMETERS: [f64; DECLARED] = [3.4, 3.0, 3.0, 3.2];
 

@@ -5,7 +5,7 @@ use super::row::Form;
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::Freedom;
 use crate::answer::ParameterEstimate;
-use crate::interval;
+use crate::interval::{self, NINETY};
 use crate::library::candidate::NamedValue;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -91,9 +91,27 @@ impl Figures<'_, '_> {
                     gradient[(i, j)] = (there.2 - here[i].2) / step;
                 }
             }
-            (name, interval::around(here, &gradient, covariance.as_ref()))
+            let around = interval::around(here, &gradient, covariance.as_ref());
+            (name, self.as_far_as_declared(name, around))
         };
         names.into_iter().map(of).collect()
+    }
+
+    /// A gain is told beside a stiffness that is known to its tolerance.
+    fn as_far_as_declared(
+        &self,
+        name: Effect,
+        mut all: Vec<ParameterEstimate>,
+    ) -> Vec<ParameterEstimate> {
+        let stiffness = self.data.declared_values()[0];
+        if name == Effect::GainError && stiffness != 0.0 {
+            let share = NINETY * self.data.tolerance(0) / stiffness.abs();
+            for (_, _, error, ci90) in &mut all {
+                let half = (0.5 * (ci90[1] - ci90[0])).hypot(share * (1.0 + *error));
+                *ci90 = [*error - half, *error + half];
+            }
+        }
+        all
     }
 
     /// The elements among the terms, and whose each is.

@@ -99,7 +99,8 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
             Verdict::Unknown => {
                 let nearest = a.nearest.clone().unwrap();
                 assert_eq!(nearest.name, Effect::AsymmetricActuator);
-                assert!((0.3..0.7).contains(&nearest.explained), "{nearest:?}");
+                // With its zero of another day the held-out record bears none of it out.
+                assert!(nearest.explained < 0.3, "{nearest:?}");
             }
             _ => {
                 let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
