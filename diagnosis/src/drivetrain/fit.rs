@@ -481,7 +481,8 @@ impl<'a> ActuatorData<'a> {
         fit.slopes
             .iter()
             .zip(values)
-            .filter_map(|(s, free)| free.then(|| s.clone()))
+            .filter(|(_, free)| *free)
+            .map(|(s, _)| s.clone())
             .collect()
     }
 }

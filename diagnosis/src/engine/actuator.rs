@@ -1,10 +1,9 @@
 //! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
 //! their tolerances; single ones, then one more, another, or one less.
 
-use super::KnownNoise;
 use super::asked::{Asked, Found};
 use super::posterior::Candidate;
-use super::score::{BLOCKS, Evidence, Score};
+use super::score::{BLOCKS, Evidence, KnownNoise, Score, raised};
 use super::verdict::LACKS;
 use crate::answer::ParameterEstimate;
 use crate::base::Base;
@@ -118,7 +117,7 @@ pub fn actuator(
     let mut all = search.run()?;
     if !averages.told {
         let quietest = all.iter().map(|f| f.evidence.quiet());
-        let raised = super::raised(quietest.fold(f64::INFINITY, f64::min));
+        let raised = raised(quietest.fold(f64::INFINITY, f64::min));
         search.score.noise *= raised;
         all.iter_mut().for_each(|f| search.score_anew(f));
     }

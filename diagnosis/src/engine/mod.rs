@@ -44,11 +44,13 @@ pub use actuator::{ActuatorChannel, actuator, actuator_each};
 pub use asked::{Asked, Found};
 pub use one_each::one_each;
 pub use posterior::Candidate;
+pub use score::KnownNoise;
 pub use specimen::{SpecimenData, SpecimenModelFit};
 pub use verdict::{Named, Said, UNEXPLAINED};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;
+use score::raised;
 use specimen::Term;
 
 /// Models whose shapes are moved to their best.
@@ -58,20 +60,8 @@ const ASKED_FOR_LESS: usize = 5;
 /// Models further below the best one than this are not, nats.
 const FAR_BELOW: f64 = 14.0;
 
-/// The noise that a search is to know: its variance in the samples that are searched, and whether a rest tells it.
-#[derive(Clone, Copy, Debug)]
-pub struct KnownNoise {
-    /// Variance of averaged samples.
-    pub variance: f64,
-    /// A rest tells it.
-    pub told: bool,
-}
-
 /// Models that free functions are put beside.
 const BESIDE_FREE: usize = 10;
-/// So many times a noise without a rest may be what the best model leaves in its quietest blocks.
-const AT_MOST: f64 = 2.5;
-
 /// Searches, and decides.
 pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
@@ -91,16 +81,6 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
     Some(Found::of(all, declared, noise.told))
-}
-
-/// So many times its variance a noise is that no rest tells, where the best model leaves so much of it in its quietest blocks.
-fn raised(quietest: f64) -> f64 {
-    let raised = (1.0 + quietest).min(AT_MOST * AT_MOST);
-    if raised > 1.2 && raised.is_finite() {
-        raised
-    } else {
-        1.0
-    }
 }
 
 /// The declared model and the leading ones with free functions beside them.

@@ -19,6 +19,28 @@ pub const EPS: f64 = 0.28;
 /// A model that leaves less than this share of the noise leaves noise: each sample counts.
 pub const LEAVES_NOISE: f64 = 1.0;
 
+/// So many times a noise without a rest may be what the best model leaves in its quietest blocks.
+const AT_MOST: f64 = 2.5;
+
+/// The noise that a search is to know: its variance in the samples that are searched, and whether a rest tells it.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownNoise {
+    /// Variance of averaged samples.
+    pub variance: f64,
+    /// A rest tells it.
+    pub told: bool,
+}
+
+/// So many times its variance a noise is that no rest tells, where the best model leaves so much of it in its quietest blocks.
+pub fn raised(quietest: f64) -> f64 {
+    let raised = (1.0 + quietest).min(AT_MOST * AT_MOST);
+    if raised > 1.2 && raised.is_finite() {
+        raised
+    } else {
+        1.0
+    }
+}
+
 /// The score's measure for one channel.
 #[derive(Clone, Debug)]
 pub struct Score {
