@@ -1,7 +1,7 @@
 //! The declared parameters of a channel.
 
 use crate::channel::ChannelModel;
-use crate::criteria::REACH;
+use crate::criteria::{POSITION_LOOP, REACH};
 use crate::linear::Bound;
 use crate::model::Model;
 use crate::saved_element::SavedElement;
@@ -87,6 +87,16 @@ impl Base {
         Bound {
             low: (value - reach).max(self.least(index)),
             high: value + reach,
+        }
+    }
+
+    /// What any device of its kind leaves of its textbook model, as shares of the output ([`POSITION_LOOP`]); nothing of a specimen, and
+    /// of a path without a lag, which is no position loop.
+    pub fn ordinary(&self) -> [f64; 2] {
+        if self.channel == Channel::Actuator && self.values[2] > 0.0 {
+            POSITION_LOOP
+        } else {
+            [0.0; 2]
         }
     }
 

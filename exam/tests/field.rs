@@ -6,7 +6,7 @@
 mod sit;
 
 use exam::devices::{devices, set_device};
-use exam::field::{Field, Mark, causes, set_field};
+use exam::field::{Field, Mark, causes, set_field, set_ram};
 use rayon::prelude::*;
 use sit::{Sat, answer, model, recordings};
 
@@ -65,6 +65,18 @@ fn each_device_of_earthquake_laboratories_once_gets_no_wrong_name() {
     let right = count(&all, &[Mark::Right, Mark::Set]);
     assert!(right >= 12, "{right} of {one_each}");
     assert!(all.iter().all(|s| devices().any(|d| d == s.cause)));
+}
+
+#[test]
+fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
+    let all = all(set_ram, 100..124);
+    let sound = |s: &&Sat| s.cause == "a sound ram";
+    let [quiet, others] =
+        [true, false].map(|wanted| all.iter().filter(move |s| sound(s) == wanted));
+    // One of them reaches the largest speed of its valve.
+    let right = |s: &&Sat| matches!(s.mark, Mark::Right | Mark::Set);
+    assert!(quiet.filter(right).count() >= 11);
+    assert!(others.filter(right).count() >= 6);
 }
 
 /// Rigs whose names were false, and what the record is that such a name was given to.

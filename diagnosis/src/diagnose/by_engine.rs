@@ -4,8 +4,7 @@ use super::channel::ChannelDiagnosis;
 use crate::advice;
 use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
 use crate::criteria::{
-    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, POSITION_LOOP, SET_LEAVES, TRANSDUCER,
-    WORTH_A_NAME,
+    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
 };
 use crate::drivetrain::without_known as without_known_motion;
 use crate::engine::{
@@ -44,7 +43,7 @@ struct ChannelData<'a, A> {
 }
 
 impl<A: Asked> ChannelData<'_, A> {
-    /// Whether what the declared model leaves is no more than what may be said of it is worth.
+    /// Whether what the declared model leaves is so little that what is said of it does not stand.
     fn is_of_its_class(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
         let share = left.test_nrmse;
         let beyond = self.beyond_noise(left);
@@ -137,7 +136,7 @@ impl ChannelDiagnosis<'_> {
             told,
             cutoff_hz: data.cutoff_hz,
             transducer: TRANSDUCER,
-            ordinary: [0.0; 2],
+            ordinary: self.base.ordinary(),
         };
         self.answer_of(&channel, &found, improved)
     }
@@ -165,12 +164,7 @@ impl ChannelDiagnosis<'_> {
             told,
             cutoff_hz: self.cutoff_hz(),
             transducer: DISPLACEMENT_TRANSDUCER,
-            // A path without a lag is no position loop.
-            ordinary: if self.base.values[2] > 0.0 {
-                POSITION_LOOP
-            } else {
-                [0.0; 2]
-            },
+            ordinary: self.base.ordinary(),
         };
         self.answer_of(&channel, &found, improved)
     }

@@ -3,7 +3,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Verdict};
-use crate::criteria::{BESIDE_NOISE, MOST_OF_IT, POSITION_LOOP, TRANSDUCER};
+use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, TRANSDUCER};
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {
@@ -12,7 +12,7 @@ impl ChannelDiagnosis<'_> {
     pub(super) fn doubt_none(&self, answer: &mut ChannelAnswer) {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
-            Channel::Actuator => POSITION_LOOP[1],
+            Channel::Actuator => self.base.ordinary()[1].max(DISPLACEMENT_TRANSDUCER),
             Channel::Specimen => TRANSDUCER,
         };
         if answer.verdict != Verdict::None || !left.is_finite() {

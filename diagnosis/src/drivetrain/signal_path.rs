@@ -278,6 +278,13 @@ mod tests {
             let c = from * (-(i as f64 - 5.0) * 1e-3 / 0.02).exp();
             assert!((1.0 - y - c / (1.0 - b * c)).abs() < 1e-3, "{i}");
         }
+        // A single rod pushes faster than it pulls: 1 + r and 1 - r times the lag's rate.
+        let back: Vec<f64> = step.iter().map(|u| -u).collect();
+        for (input, sign, rate) in [(step.clone(), 1.0, 1.5), (back, -1.0, 0.5)] {
+            let y = answer(&[(PartKind::TwoSpeeds, 0.5)], input);
+            let left = |i: usize| 1.0 - sign * y[i];
+            assert!((left(25) / left(5) - (-rate * 0.02_f64 / 0.02).exp()).abs() < 1e-3);
+        }
         // An overlap leaves its width; a largest speed is kept.
         let y = answer(&[(PartKind::Overlap, 0.2)], step.clone());
         assert!((y[399] - 0.8).abs() < 1e-3);

@@ -38,8 +38,8 @@ pub struct Broken {
     pub output_lost: bool,
     /// The second displacement reads so many codes more than the first.
     pub second_displacement_off: u16,
-    /// The load cell shows its middle code.
-    pub dead_force: bool,
+    /// The load cells show this code.
+    pub dead_force: Option<u16>,
     /// Steps begin later than they can.
     pub begins_late: bool,
 }
@@ -90,10 +90,8 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
         {
             *place = broken;
         }
-        if self.broken.dead_force {
-            for [_, force] in &mut codes {
-                *force = H::CODES.sensor_top / 2;
-            }
+        if let Some(dead) = self.broken.dead_force {
+            codes.iter_mut().for_each(|[_, force]| *force = dead);
         }
         self.first_displacement = codes[0][0];
         (!self.broken.no_sample).then_some(codes)

@@ -71,7 +71,7 @@ fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
         limited.limits.force_stands_m = stands_m;
         let mut b = bench();
         b.ready(limited, &pulse());
-        b.hardware.broken.dead_force = true;
+        b.hardware.broken.dead_force = Some(CODES.sensor_top / 2);
         done(&b.event(Event::Start));
         let mut most_m = 0.0_f32;
         for _ in 0..1500 {
@@ -85,6 +85,39 @@ fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
         }
         assert_eq!(b.fault(), Some(fault));
         assert_eq!(most_m < 3e-3, stands_m.is_some(), "{most_m}");
+    }
+}
+
+#[test]
+fn a_load_cell_that_stays_at_one_code_is_dead_wherever_it_stands() {
+    // One that lives has noise, also where a specimen yields.
+    for (noise, trips) in [(0_u16, true), (1, false)] {
+        let mut limited = config();
+        limited.limits.force_stands_m = Some(1e-3);
+        let mut b = bench();
+        b.ready(limited, &pulse());
+        done(&b.event(Event::Start));
+        for _ in 0..300 {
+            b.step();
+        }
+        let stands = b.log.last().unwrap().step.force;
+        assert!(
+            stands.abs_diff(CODES.sensor_top / 2) > 40,
+            "{stands}: it stands at zero"
+        );
+        for step in 0..1000_u16 {
+            b.hardware.broken.dead_force = Some(stands + noise * (step % 2));
+            b.step();
+            if b.mode() == Mode::Tripped {
+                break;
+            }
+        }
+        assert_eq!(
+            b.fault() == Some(Fault::ForceStands),
+            trips,
+            "{noise}: {:?}",
+            b.fault()
+        );
     }
 }
 
