@@ -22,9 +22,12 @@ struct Arguments {
     /// Processes at once
     #[arg(long, default_value_t = 2)]
     jobs: usize,
-    /// Each flip on a line of its own, on standard error
+    /// Each flip on a line of its own, with its number, on standard error
     #[arg(long)]
     each: bool,
+    /// This flip alone
+    #[arg(long)]
+    number: Option<usize>,
 }
 
 fn main() -> ExitCode {
@@ -50,6 +53,7 @@ fn table(arguments: &Arguments) -> Result<Table, String> {
         seed: arguments.seed,
         jobs: arguments.jobs,
         only: None,
+        number: arguments.number,
     };
     let each = arguments.each;
     run(&firmware, &trials, move |line| {

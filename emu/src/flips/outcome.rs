@@ -5,7 +5,7 @@ use crate::log::{Log, LoggedEvent};
 /// So far beyond the largest displacement of the plan the motion is dangerous.
 const BEYOND: f64 = 1.2;
 
-/// PERMIT may be high for so long after the last step, ns: the watchdog's longest time.
+/// PERMIT may be high for so long after the last command, ns: the watchdog's longest time.
 const DEAD_NS: u64 = 50_000_000;
 
 /// How long it is watched after a flip, ns, and after PERMIT has fallen.
@@ -27,7 +27,7 @@ pub enum Outcome {
     Reset,
     /// It moves beyond 1.2 of the plan.
     Beyond,
-    /// PERMIT is high with the loop dead, or rises again by itself.
+    /// PERMIT is high while no command has come out for longer than the watchdog allows, or rises again by itself.
     PermitStands,
     /// The emulator itself ended.
     Unknown,
@@ -83,8 +83,9 @@ pub(super) struct Watch {
     flipped_ns: u64,
     first_position: usize,
     first_seen: usize,
-    steps: usize,
-    stepped_ns: u64,
+    /// So much of what was seen has been searched for commands.
+    searched: usize,
+    commanded_ns: u64,
     fell_ns: Option<u64>,
     rose_again: bool,
     dead: bool,
@@ -96,8 +97,8 @@ impl Watch {
             flipped_ns: at_ns,
             first_position: log.position_m.len(),
             first_seen: log.seen.len(),
-            steps: log.step_instructions.len(),
-            stepped_ns: at_ns,
+            searched: log.seen.len(),
+            commanded_ns: at_ns,
             fell_ns: None,
             rose_again: false,
             dead: false,
@@ -106,11 +107,16 @@ impl Watch {
 
     /// What there is to see now; true when it has been watched for long enough.
     pub(super) fn look(&mut self, log: &Log, at_ns: u64) -> bool {
-        if log.step_instructions.len() != self.steps {
-            (self.steps, self.stepped_ns) = (log.step_instructions.len(), at_ns);
-        }
+        // The pin that shows a step may be what the bit broke: a loop lives while its commands come out.
+        let fresh = log.seen.get(self.searched..).unwrap_or(&[]);
+        let last = fresh.iter().rev().find_map(|(at, seen)| match seen {
+            LoggedEvent::Command(_) => Some(*at),
+            _ => None,
+        });
+        self.searched = log.seen.len();
+        self.commanded_ns = last.map_or(self.commanded_ns, |at| at.max(self.commanded_ns));
         let permitted = log.permitted.last().copied().unwrap_or(false);
-        self.dead |= permitted && at_ns - self.stepped_ns > DEAD_NS;
+        self.dead |= permitted && at_ns.saturating_sub(self.commanded_ns) > DEAD_NS;
         self.rose_again |= permitted && self.fell_ns.is_some();
         if !permitted && self.fell_ns.is_none() {
             self.fell_ns = Some(at_ns);
@@ -213,7 +219,9 @@ mod tests {
         let mut log = plan().log;
         let mut watch = Watch::new(&log, 0);
         assert!(!watch.look(&log, DEAD_NS));
-        assert!(watch.look(&log, DEAD_NS + 1) && watch.dead);
+        log.seen.push((DEAD_NS, LoggedEvent::Command(1)));
+        assert!(!watch.look(&log, 2 * DEAD_NS));
+        assert!(watch.look(&log, 2 * DEAD_NS + 1) && watch.dead);
         let mut watch = Watch::new(&log, 0);
         log.permitted.push(false);
         assert!(!watch.look(&log, 1_000));

@@ -53,6 +53,8 @@ pub struct Trials {
     pub jobs: usize,
     /// Only bits of this.
     pub only: Option<Target>,
+    /// Only the flip of this number, in the order of their instants from 0 on.
+    pub number: Option<usize>,
 }
 
 /// Runs them on an image. `tell` hears of each, with what turned over.
@@ -76,6 +78,7 @@ pub fn run(
         memory,
         plan,
         jobs: trials.jobs.max(1),
+        number: trials.number.unwrap_or(0),
         copies: VecDeque::new(),
         table: Table::default(),
         tell: Box::new(tell),
@@ -110,6 +113,9 @@ fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
         })
         .collect();
     flips.sort_by_key(|flip| flip.at_ns);
+    if let Some(number) = trials.number {
+        flips = flips.get(number).copied().into_iter().collect();
+    }
     flips.into()
 }
 
@@ -165,6 +171,8 @@ struct Original {
     memory: Memory,
     plan: Arc<Reference>,
     jobs: usize,
+    /// Of the first flip.
+    number: usize,
     copies: VecDeque<Running>,
     table: Table,
     tell: Box<dyn FnMut(&str) + Send>,
@@ -213,8 +221,9 @@ impl Original {
             place,
         } = copy.flip;
         let (after_ms, apart_mm) = ((at_ns - self.plan.started_ns) as f64 * 1e-6, apart_m * 1e3);
+        let number = self.number + self.table.flips.len();
         (self.tell)(&format!(
-            "{after_ms:.4} ms {place:x?}: {}, {apart_mm:.2} mm from the plan",
+            "{number}: {after_ms:.4} ms {place:x?}: {}, {apart_mm:.2} mm from the plan",
             outcome.name()
         ));
         self.table.flips.push((target, outcome, apart_m));

@@ -11,6 +11,7 @@ fn flips(flips: usize, seed: u64, only: Option<Target>) -> Table {
         seed,
         jobs: 2,
         only,
+        number: None,
     };
     let table = run(&firmware, &trials, |line| println!("{line}")).expect("a table");
     println!("{table}");
