@@ -4,7 +4,7 @@ use crate::answer::Correction;
 use crate::declared::Declared;
 use crate::model::{ActuatorModel, Model, SpecimenModel};
 use crate::saved_element::SavedElement;
-use plant::{Channel, EffectSpec};
+use plant::{Channel, Effect, EffectSpec};
 
 /// Places of a channel's parameters, in the order of [`Channel::parameters`], and of its effects.
 type ChannelPlaces<'a> = ([&'a mut Option<Declared>; 4], &'a mut Vec<EffectSpec>);
@@ -66,6 +66,18 @@ impl Model {
                 }
             }),
         }
+    }
+
+    /// The model without what an earlier diagnosis added to a channel by this name.
+    pub(crate) fn without(&self, channel: Channel, name: Effect) -> Self {
+        let mut model = self.clone();
+        if let Some((_, effects)) = model.channel_mut(channel) {
+            effects.retain(|e| e.name != name);
+        }
+        if let (Channel::Specimen, Some(specimen)) = (channel, &mut model.specimen) {
+            specimen.elements.retain(|e| e.name != name);
+        }
+        model
     }
 
     /// Places of a channel's parameters and effects, where it is declared.

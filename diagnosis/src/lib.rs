@@ -18,6 +18,7 @@ mod coupled;
 mod criteria;
 mod declared;
 mod diagnose;
+mod dial;
 mod drivetrain;
 mod engine;
 mod expected_error;
@@ -30,6 +31,7 @@ mod interval;
 mod library;
 mod linear;
 mod model;
+mod modelled;
 mod next;
 mod noise;
 mod plausible;
@@ -47,6 +49,7 @@ mod stamps;
 mod travel;
 mod unmeasured;
 mod wear;
+mod witness;
 
 pub use answer::{
     Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,
@@ -59,6 +62,7 @@ pub use coupled::{
 };
 pub use declared::Declared;
 pub use diagnose::{Diagnosis, diagnose};
+pub use dial::{DialNumber, Dose, Turned, turned};
 pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next};
@@ -66,3 +70,4 @@ pub use recording::{FEWEST_SAMPLES, Recording};
 pub use refusal::Refusal;
 pub use saved_element::SavedElement;
 pub use stamps::{gaps, missing_rows, usual_interval_s};
+pub use witness::{Heard, Other, Says, Testimony, Witnessed, testimonies};

@@ -6,7 +6,7 @@ use experiment::files::model;
 use experiment::watch::{WatchReport, agreement, of_record};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A published parameter.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -50,6 +50,9 @@ pub struct Case {
     pub set_must_hold_one_of: Vec<String>,
     /// Names that are wrong whatever they fit.
     pub never: Vec<String>,
+    /// What each cause may be called, where the case says it.
+    #[serde(default)]
+    pub both: Vec<Vec<String>>,
     /// What is known of the cause.
     pub cause: String,
     /// Parameters as published.
@@ -72,13 +75,22 @@ pub fn cases() -> Option<Vec<Case>> {
 /// All cases of a folder of the data.
 pub fn lot(folder: &str) -> Option<Vec<Case>> {
     let path = test_data::file(&format!("{folder}/cases.toml"))?;
-    let text = std::fs::read_to_string(&path).ok()?;
-    let mut cases: Cases = toml::from_str(&text).unwrap_or_else(|e| panic!("cases.toml: {e}"));
-    let folder = path.parent()?;
+    cases_in(path.parent()?).ok()
+}
+
+/// All cases of a folder.
+///
+/// # Errors
+/// A `cases.toml` that cannot be read or is none.
+pub fn cases_in(folder: &Path) -> Result<Vec<Case>, String> {
+    let path = folder.join("cases.toml");
+    let refuse = |why: String| format!("{}: {why}", path.display());
+    let text = std::fs::read_to_string(&path).map_err(|e| refuse(e.to_string()))?;
+    let mut cases: Cases = toml::from_str(&text).map_err(|e| refuse(e.to_string()))?;
     for case in &mut cases.case {
         case.folder = folder.to_path_buf();
     }
-    Some(cases.case)
+    Ok(cases.case)
 }
 
 /// As [`Case::watched`], of a record with its model.
@@ -167,6 +179,23 @@ impl Case {
         Ok((own.ok_or("the channel is missing")?, found.seconds))
     }
 
+    /// Whether each of two causes is among the names; `None` where there is one.
+    pub fn has_both(&self, a: &ChannelAnswer) -> Option<bool> {
+        let named = |names: &Vec<String>| {
+            a.effects
+                .iter()
+                .any(|e| names.iter().any(|n| n == e.name.name()))
+        };
+        (self.both.len() > 1).then(|| self.both.iter().all(named))
+    }
+
+    /// Whether an answer names what is never right: a wrong name, where nothing is missing any.
+    pub fn is_wrong(&self, a: &ChannelAnswer) -> bool {
+        let sure = !matches!(a.verdict, Verdict::Ambiguous);
+        let wrong = |n: &str| self.never.iter().any(|w| w == n) || self.verdicts == ["none"];
+        sure && a.effects.iter().any(|e| wrong(e.name.name()))
+    }
+
     /// 1, one half or 0, by the rules of the cases: a right name or set whose error is at most 1.4 times a textbook
     /// fit's; half for `unknown` with the right nearest; nothing for a name that is wrong.
     pub fn points(&self, a: &ChannelAnswer) -> f64 {
@@ -189,6 +218,9 @@ impl Case {
                 (false, true) => 0.5,
                 _ => 0.0,
             };
+        }
+        if verdict == "none" {
+            return f64::from(u8::from(has(&self.verdicts, verdict)));
         }
         let named: Vec<&str> = a.effects.iter().map(|e| e.name.name()).collect();
         if named.iter().any(|n| has(&self.never, n)) || !has(&self.verdicts, verdict) {

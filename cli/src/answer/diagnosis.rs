@@ -1,13 +1,14 @@
 //! A diagnosis: the verdict, what is left before and after, the loops, what was tried.
 
-use super::next;
+use super::witness::{self, Witness};
+use super::{dial, next};
 use crate::document::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use crate::document::{Document, Grade, Table, table};
 use crate::wording::{
     self, corrected, depends_on, digits, headline, parameter, plan, predicted, quantity, refitted,
     rest as sentence, sureness,
 };
-use diagnosis::{ChannelAnswer, Diagnosis, Next, Traces, Verdict};
+use diagnosis::{ChannelAnswer, Diagnosis, Next, Traces, Turned, Verdict};
 use experiment::numbers::percent;
 use plant::Channel;
 
@@ -23,6 +24,10 @@ pub struct DiagnosisSection<'a> {
     pub diagnosis: &'a Diagnosis,
     /// The next test, where one was asked for.
     pub next: Option<&'a Next>,
+    /// What channels that took no part say.
+    pub witnesses: &'a [Witness],
+    /// How the names go with a dial, where one was turned.
+    pub dial: Option<&'a [Turned]>,
     /// The model as declared, and with what was found.
     pub models: [&'a str; 2],
 }
@@ -51,6 +56,8 @@ pub fn of_diagnosis(s: &DiagnosisSection<'_>, with_page: bool) -> Document {
         shares(&mut d, c);
         tried(&mut d, c);
     }
+    witness::section(&mut d, s.witnesses);
+    dial::section(&mut d, s.dial);
     d.tell(format!("Diagnosed in {:.2} s.", s.diagnosis.seconds));
     if let Some(n) = s.next {
         d.tell("");

@@ -6,6 +6,7 @@ mod coupled_check;
 mod coupled_diagnosis;
 mod desk;
 mod diagnosis;
+mod dial;
 mod difference;
 mod figures;
 mod identified;
@@ -17,6 +18,7 @@ mod summaries;
 mod sweep;
 mod test;
 mod watched;
+mod witness;
 
 pub mod benchmark;
 
@@ -33,3 +35,4 @@ pub use section::TestSection;
 pub use served::{SessionSection, of_served};
 pub use sweep::{of_rigs, of_values};
 pub use test::{of_demo, of_run};
+pub use witness::Witness;

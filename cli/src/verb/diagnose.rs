@@ -1,16 +1,20 @@
 //! `outerloop diagnose`: what the declared model lacks to explain what was measured.
 
 mod coupled;
+mod dial;
+mod witness;
 
 use super::{hand_over, json};
-use crate::answer::{DiagnosisSection, of_diagnosis};
+use crate::answer::{DiagnosisSection, Witness, of_diagnosis};
 use crate::designed_test;
 use crate::provenance::WithProvenance;
 use crate::terminal;
-use diagnosis::{Diagnosis, ForceUnit, Model, Next};
+use diagnosis::{Diagnosis, ForceUnit, Model, Next, Turned};
+use dial::DialArgument;
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles, without_force_unit};
+use experiment::files::witness::WitnessColumn;
 use experiment::files::{look_ahead, model, output};
 use plant::Channel;
 use schemars::JsonSchema;
@@ -43,6 +47,14 @@ pub struct Diagnose {
     /// keeps the limits of the model's table [limits], else what the records have shown
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
+    /// A channel that takes no part, such as a pressure, and is asked whether it shows what was named; may be given several times.
+    /// The column by its name or number
+    #[arg(long, value_name = "FILE:COLUMN")]
+    witness: Vec<WitnessColumn>,
+    /// A record with one thing of the rig turned, such as the tension of a brake, and where it stood; three settings and more. Does
+    /// the number of what was named follow, and does nothing else?
+    #[arg(long, value_name = "VALUE=FILE[@T0..T1]")]
+    dial: Vec<DialArgument>,
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -76,9 +88,10 @@ impl Diagnose {
             return self.several(specimen, out);
         }
         let mut library = RecordFiles::with(&self.columns);
-        let train = library.parts(&self.train)?;
-        let test = library.parts(&self.test)?;
+        let mut sets = [library.parts(&self.train)?, library.parts(&self.test)?];
         let rest = library.parts(&self.rest)?;
+        let called = self.called(&declared, &mut sets)?;
+        let [train, test] = &sets;
         let specimen = declared.specimen.as_ref();
         if library.force_in_newtons()
             && specimen.is_some_and(|s| s.force_unit == ForceUnit::Without)
@@ -90,7 +103,7 @@ impl Diagnose {
             )));
         }
         let mut diagnosis = terminal::while_waiting("diagnosing", || {
-            diagnosis::diagnose(&declared, &train, &test, &rest)
+            diagnosis::diagnose(&declared, train, test, &rest)
         })
         .map_err(Failure::input)?;
         if self.remainder {
@@ -102,17 +115,21 @@ impl Diagnose {
         if !library.force_has_unit() {
             without_force_unit(&mut diagnosis);
         }
+        let beside = Beside {
+            witness: self.heard(&declared, &diagnosis, &sets, &called),
+            dial: self.turned(&declared, &diagnosis, &mut library)?,
+        };
         let next = match &self.next {
             None => None,
             Some(path) => {
-                let design = || diagnosis::next(&declared, &diagnosis, &train, &test);
+                let design = || diagnosis::next(&declared, &diagnosis, train, test);
                 let next = terminal::while_waiting("designing the next test", design);
                 let next = next.map_err(|e| Failure::input(format!("--next: {e}")))?;
                 designed_test::write(path, &next)?;
                 Some(next)
             }
         };
-        self.answer(&declared, &diagnosis, next.as_ref(), out)
+        self.answer(&declared, &diagnosis, (next.as_ref(), &beside), out)
     }
 
     /// Writes and says what was found.
@@ -120,13 +137,14 @@ impl Diagnose {
         &self,
         declared: &Model,
         diagnosis: &Diagnosis,
-        next: Option<&Next>,
+        (next, beside): (Option<&Next>, &Beside),
         out: Option<&Path>,
     ) -> Result<(), Failure> {
         let designed = next.zip(self.next.as_deref());
         let answer = DiagnosisAnswer {
             diagnosis,
             next: designed.map(|(design, file)| Designed { file, design }),
+            beside,
         };
         let text = json(&WithProvenance::of(&answer))?;
         let (stated, improved) = (
@@ -145,6 +163,8 @@ impl Diagnose {
                     title: &self.title(),
                     diagnosis,
                     next,
+                    witnesses: &beside.witness,
+                    dial: beside.dial.as_deref(),
                     models: [&stated, &improved],
                 };
                 let mut d = of_diagnosis(&section, page);
@@ -175,6 +195,19 @@ pub(crate) struct DiagnosisAnswer<'a> {
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Designed<'a>>,
+    #[serde(flatten)]
+    beside: &'a Beside,
+}
+
+/// What other channels and other records say of the names.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Beside {
+    /// Channels that took no part.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    witness: Vec<Witness>,
+    /// Records in which one thing was turned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dial: Option<Vec<Turned>>,
 }
 
 /// The next test as JSON.

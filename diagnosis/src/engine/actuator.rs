@@ -1,7 +1,7 @@
 //! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
 //! their tolerances; single ones, then one more, another, or one less.
 
-use super::asked::{Asked, Found};
+use super::asked::{Asked, Found, OfOneName};
 use super::posterior::Candidate;
 use super::score::{BLOCKS, Evidence, KnownNoise, Score, raised};
 use super::verdict::LACKS;
@@ -166,7 +166,7 @@ pub fn actuator_each(
     model: &Model,
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool,
-) -> Option<Vec<(Effect, Model, f64)>> {
+) -> Option<Vec<OfOneName>> {
     let base = Base::of(model, Channel::Actuator)?;
     let bare = drivetrain::without_known(&base, train)?;
     let channel = ActuatorChannel::new(&base, &bare)?;
@@ -174,18 +174,16 @@ pub fn actuator_each(
     let (_, mut found) = search.alone(&mut Vec::new())?;
     found.retain(|f| f.fit.model.size() == 1);
     found.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
-    let mut all: Vec<(Effect, Model, f64)> = Vec::new();
+    let mut all: Vec<OfOneName> = Vec::new();
     for fit in found {
         let name = fit.names().first().copied();
-        let Some(name) = name.filter(|n| wanted(*n) && all.iter().all(|a| a.0 != *n)) else {
+        let Some(name) = name.filter(|n| wanted(*n) && all.iter().all(|a| a.name != *n)) else {
             continue;
         };
-        let settled = channel.settled(&fit);
-        let left = rms(&channel.residuals(&settled, &bare)?);
-        let mut with = model.clone();
-        channel.save(&settled, &mut with);
-        if left.is_finite() && with.check().is_ok() {
-            all.push((name, with, left));
+        let left = rms(&channel.residuals(&channel.settled(&fit), &bare)?);
+        let own = OfOneName::of(&channel, &fit, name, model, left);
+        if left.is_finite() && own.model.check().is_ok() {
+            all.push(own);
         }
     }
     Some(all)

@@ -52,3 +52,41 @@ impl<F: Clone> Found<F> {
         }
     }
 }
+
+/// A model with one name.
+#[derive(Clone, Debug)]
+pub struct OfOneName {
+    /// What it has beside the declared parameters.
+    pub name: Effect,
+    /// The whole model.
+    pub model: Model,
+    /// What it leaves of the training data, rms.
+    pub left_rms: f64,
+    /// The name's parameters.
+    pub parameters: Vec<ParameterEstimate>,
+    /// The declared parameters beside it, in the order and the units of the channel's table.
+    pub declared: [f64; 4],
+}
+
+impl OfOneName {
+    /// A fit at its best.
+    pub fn of<A: Asked>(
+        data: &A,
+        fit: &A::Fit,
+        name: Effect,
+        model: &Model,
+        left_rms: f64,
+    ) -> Self {
+        let fit = data.settled(fit);
+        let mut with = model.clone();
+        data.save(&fit, &mut with);
+        let own = data.figures(&fit).into_iter().find(|f| f.0 == name);
+        Self {
+            name,
+            model: with,
+            left_rms,
+            parameters: own.map_or(Vec::new(), |f| f.1),
+            declared: data.declared(&fit),
+        }
+    }
+}

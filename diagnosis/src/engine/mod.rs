@@ -40,9 +40,9 @@ mod specimen;
 mod unknowns;
 mod verdict;
 
-pub use actuator::{ActuatorChannel, actuator, actuator_each};
-pub use asked::{Asked, Found};
-pub use one_each::one_each;
+pub use actuator::{ActuatorChannel, actuator};
+pub use asked::{Asked, Found, OfOneName};
+pub use one_each::each;
 pub use posterior::Candidate;
 pub use score::KnownNoise;
 pub use specimen::{SpecimenData, SpecimenModelFit};

@@ -1,6 +1,7 @@
 //! The best model with one law of each name: what a next test has to tell apart.
 
-use super::asked::Asked;
+use super::actuator::actuator_each;
+use super::asked::{Asked, OfOneName};
 use super::search::Search;
 use super::specimen::{SpecimenData, SpecimenModelFit, Term};
 use crate::base::Base;
@@ -17,13 +18,33 @@ const POLISHED: usize = 3;
 /// What is left below this share of the output's squares counts as nothing.
 const NOTHING: f64 = 1e-8;
 
-/// One model for each name that `wanted` lets through, with one law beside the declared parameters, and the rms that it leaves of
-/// the training data. Best first.
-pub fn one_each(
+/// One model for each name that `wanted` lets through, best first; each name with the form that leaves least.
+pub fn each(
+    model: &Model,
+    channel: Channel,
+    train: &[Recording],
+    wanted: impl Fn(Effect) -> bool + Sync,
+) -> Vec<OfOneName> {
+    let all = match channel {
+        Channel::Specimen => specimen_each(model, train, wanted),
+        Channel::Actuator => actuator_each(model, train, &wanted),
+    };
+    let mut all = all.unwrap_or_default();
+    all.sort_by(|a, b| a.left_rms.total_cmp(&b.left_rms));
+    let mut names: Vec<Effect> = Vec::new();
+    all.retain(|f| {
+        let new = !names.contains(&f.name);
+        names.push(f.name);
+        new
+    });
+    all
+}
+
+fn specimen_each(
     model: &Model,
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
-) -> Option<Vec<(Effect, Model, f64)>> {
+) -> Option<Vec<OfOneName>> {
     let base = Base::of(model, Channel::Specimen)?;
     let bare = without_known(&base, train)?;
     let mut data = SpecimenData::new(&base, &bare, &bare)?;
@@ -45,12 +66,11 @@ pub fn one_each(
     });
     let mut fits: Vec<(Effect, SpecimenModelFit, f64)> = fits.collect();
     fits.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let mut all: Vec<(Effect, Model, f64)> = Vec::new();
+    let mut all: Vec<OfOneName> = Vec::new();
     for (name, fit, left) in fits {
-        if all.iter().all(|a| a.0 != name) {
-            let mut with = model.clone();
-            data.save(&data.settled(&fit), &mut with);
-            all.push((name, with, left));
+        // Settling takes time.
+        if all.iter().all(|a| a.name != name) {
+            all.push(OfOneName::of(&data, &fit, name, model, left));
         }
     }
     Some(all)

@@ -4,7 +4,7 @@ use crate::answer::{ChannelAnswer, Verdict};
 use crate::engine;
 use crate::model::Model;
 use crate::recording::Recording;
-use plant::{Channel, Effect, Family};
+use plant::{Effect, Family};
 
 /// A model that is still possible.
 #[derive(Clone, Debug)]
@@ -21,9 +21,6 @@ pub struct Cause {
 const NEAREST: usize = 4;
 /// What leaves more than this many times the rms of the best is none of the nearest.
 const FAR: f64 = 1.5;
-
-/// What is left of the training data by a model with one name more.
-type FittedModel = (Effect, Model, f64);
 
 /// The models between which the answer of a channel leaves the choice, the preferred one first; one alone where it leaves
 /// none.
@@ -45,11 +42,11 @@ pub fn causes(
                 own.map(|m| m.probability)
             };
             let wanted = |name| answer.alternatives.contains(&name);
-            let rivals = fitted(declared, answer.channel, train, wanted);
-            let rivals = rivals.into_iter().map(|(name, model, _)| Cause {
-                name: Some(name),
-                probability: probability(name),
-                model,
+            let rivals = engine::each(declared, answer.channel, train, wanted);
+            let rivals = rivals.into_iter().map(|own| Cause {
+                name: Some(own.name),
+                probability: probability(own.name),
+                model: own.model,
             });
             std::iter::once(preferred).chain(rivals).collect()
         }
@@ -60,18 +57,18 @@ pub fn causes(
             let wanted = |name: Effect| {
                 !known.contains(&name) && name.entry().family != Family::Interference
             };
-            let all = fitted(improved, answer.channel, train, wanted);
-            let most = all.first().map_or(0.0, |f| FAR * f.2);
+            let all = engine::each(improved, answer.channel, train, wanted);
+            let most = all.first().map_or(0.0, |f| FAR * f.left_rms);
             let mut families: Vec<Family> = Vec::new();
             let mut nearest: Vec<Cause> = Vec::new();
-            for (name, model, left) in all {
-                let family = name.entry().family;
-                if left <= most && !families.contains(&family) && nearest.len() < NEAREST {
+            for own in all {
+                let family = own.name.entry().family;
+                if own.left_rms <= most && !families.contains(&family) && nearest.len() < NEAREST {
                     families.push(family);
                     nearest.push(Cause {
-                        name: Some(name),
+                        name: Some(own.name),
                         probability: None,
-                        model,
+                        model: own.model,
                     });
                 }
             }
@@ -83,26 +80,4 @@ pub fn causes(
         }
         Verdict::None | Verdict::Effect | Verdict::NotAssessed => vec![preferred],
     }
-}
-
-/// One model for each wanted name, best first; each name with the form that leaves least.
-fn fitted(
-    model: &Model,
-    channel: Channel,
-    train: &[Recording],
-    wanted: impl Fn(Effect) -> bool + Sync,
-) -> Vec<FittedModel> {
-    let all = match channel {
-        Channel::Specimen => engine::one_each(model, train, wanted),
-        Channel::Actuator => engine::actuator_each(model, train, &wanted),
-    };
-    let mut all = all.unwrap_or_default();
-    all.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let mut names: Vec<Effect> = Vec::new();
-    all.retain(|f| {
-        let new = !names.contains(&f.0);
-        names.push(f.0);
-        new
-    });
-    all
 }

@@ -32,6 +32,7 @@ pub mod test;
 pub mod third_party;
 pub mod units;
 pub mod watch;
+pub mod witness;
 
 use crate::failure::Failure;
 use note::note;

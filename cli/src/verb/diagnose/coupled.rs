@@ -24,6 +24,8 @@ impl Diagnose {
             ("--rest", !self.rest.is_empty()),
             ("--remainder", self.remainder),
             ("--next", self.next.is_some()),
+            ("--witness", !self.witness.is_empty()),
+            ("--dial", !self.dial.is_empty()),
         ] {
             if given {
                 return Err(Failure::input(format!(

@@ -1,5 +1,6 @@
 //! `outerloop diagnose` as people and scripts call it, on records of tests that it ran itself.
 
+mod beside;
 mod laboratory;
 mod refusals;
 
