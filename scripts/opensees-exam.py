@@ -365,6 +365,10 @@ def exact(materials):
     return [tuple(map(rounded, m)) for m in materials]
 
 
+class TooSmall(Exception):
+    """A cause that the motion hardly shows, however it is drawn."""
+
+
 def sized(rng, draw, x, w, k, motion, step):
     """A cause drawn, its materials at the size wanted, its rms over the spring's. Too small, or worn out early: drawn again."""
     wanted = log_uniform(rng, LEAST_SHARE, MOST_SHARE)
@@ -377,7 +381,7 @@ def sized(rng, draw, x, w, k, motion, step):
         scale = min(wanted / share if share > 0.0 else math.inf, cause.most)
         if scale * min(share, 2 * late) >= LEAST_SHARE and late > 0.4 * share:
             return cause, lambda tag: exact(cause.materials(scale * k, tag)), scale * share
-    raise SystemExit(f"{draw.__name__} does not reach the least size")
+    raise TooSmall(f"{draw.__name__} does not reach the least size")
 
 
 # Cases ------------------------------------------------------------------------------------------------------------------------------
@@ -481,6 +485,22 @@ def toml_value(key, value):
     return str(value) if key == "reference" or isinstance(value, float) else '"' + value + '"'
 
 
+def drawn_until_shown(given, i, kind, orders, turn):
+    """Cases of a number; another motion where the first one does not show its cause."""
+    for attempt in range(20):
+        rng = random.Random(f"{given.seed}/{i}" + (f"/{attempt}" if attempt else ""))
+        if kind == "two":
+            draws = [rng.choice(group) for group in rng.sample(GROUPS, 2)]
+        else:
+            draws = [orders[kind][turn % len(orders[kind])]] if kind in orders else []
+        ident = "_".join([kind, f"{i:03}", *(d.__name__ for d in draws)])
+        try:
+            yield make_case(rng, ident, draws, given.out_dir)
+        except TooSmall as why:
+            print(why, "by this motion: another one", flush=True)
+    raise SystemExit(f"no motion shows case {i}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("out_dir", type=Path)
@@ -495,16 +515,11 @@ def main():
     tables = [f"# Laws of OpenSees {ops.version()}, by scripts/opensees-exam.py, seed {given.seed}.\n"
               "# shares: rms of each cause over the spring's; both: right names for each cause."]
     for i in range(given.count):
-        rng, kind = random.Random(f"{given.seed}/{i}"), CLASSES[i % len(CLASSES)]
-        if kind == "two":
-            draws = [rng.choice(group) for group in rng.sample(GROUPS, 2)]
-        else:
-            draws = [orders[kind][turns[kind] % len(orders[kind])]] if kind in orders else []
+        kind = CLASSES[i % len(CLASSES)]
+        case = next(drawn_until_shown(given, i, kind, orders, turns[kind]))
         turns[kind] += 1
-        ident = "_".join([kind, f"{i:03}", *(d.__name__ for d in draws)])
-        case = make_case(rng, ident, draws, given.out_dir)
         tables.append("[[case]]\n" + "\n".join(f"{key} = {toml_value(key, value)}" for key, value in case.items()))
-        print(ident, case["shares"], case["reference"], flush=True)
+        print(case["id"], case["shares"], case["reference"], flush=True)
     (given.out_dir / "cases.toml").write_text("\n\n".join(tables) + "\n")
 
 

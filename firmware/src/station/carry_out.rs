@@ -95,6 +95,9 @@ impl<const A: usize> Station<A> {
             }));
         }
         let state = self.setup.outer.handle(event);
+        if event == Event::Arm && state.is_ok() {
+            self.output.permission.arm();
+        }
         if state == Ok(Mode::Idle) {
             self.output.out_of_range = false;
             self.signal = None;
@@ -109,7 +112,7 @@ impl<const A: usize> Station<A> {
         let mean = time.total_ticks().checked_div(u64::from(time.steps()));
         LoopStatus {
             trip: self.setup.outer.trip(),
-            permit: self.output.permit,
+            permit: self.output.permission.is_given(),
             configured: self.setup.configured,
             points: self.motion.as_ref().map_or(0, |m| m.count() as u32),
             timing: Timing {

@@ -17,6 +17,7 @@ pub(crate) mod heartbeats;
 mod motion;
 mod order;
 mod period;
+mod permission;
 mod read_back;
 mod rehearsal;
 mod ring;

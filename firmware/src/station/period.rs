@@ -5,6 +5,7 @@ use super::chain::ChainWatch;
 use super::heartbeats::{Heartbeat, Heartbeats};
 use super::motion::Loaded;
 use super::order::{Order, Outcome};
+use super::permission::Permission;
 use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
@@ -72,7 +73,7 @@ pub(super) struct Output<const A: usize> {
     sent: [Option<u16>; A],
     /// The last command of one of them could not be shown.
     pub(super) out_of_range: bool,
-    pub(super) permit: bool,
+    pub(super) permission: Permission,
 }
 
 impl<const A: usize> Output<A> {
@@ -81,7 +82,7 @@ impl<const A: usize> Output<A> {
             feedback: [const { ErrorFeedback::new() }; A],
             sent: [None; A],
             out_of_range: false,
-            permit: false,
+            permission: Permission::none(),
         }
     }
 }
@@ -249,7 +250,7 @@ impl<const A: usize> Station<A> {
     ) -> Option<Fault> {
         let timeouts = self.setup.timeouts;
         let chain = self.chain.disagrees(
-            self.output.permit,
+            self.output.permission.is_given(),
             hardware.permit_chain_closed(),
             timeouts.chain_steps,
             timeouts.open_steps,
@@ -350,6 +351,7 @@ impl<const A: usize> Output<A> {
         permit: bool,
     ) {
         let top = H::CODES.command_top;
+        let permit = self.permission.of_step(permit);
         if !permit {
             hardware.permit(false);
         }
@@ -373,7 +375,6 @@ impl<const A: usize> Output<A> {
         if permit {
             hardware.permit(true);
         }
-        self.permit = permit;
     }
 }
 

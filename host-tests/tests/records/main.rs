@@ -4,5 +4,6 @@
 mod exam_quick;
 mod exam_scorer;
 mod next_errors;
+mod other_channels;
 mod outside_records;
 mod real_records;

@@ -1,0 +1,125 @@
+//! A channel that took no part, and a dial, on records that other people made: what both must say is known there by other means
+//! (`outside2/README.md` of the data).
+#![cfg(not(debug_assertions))] // Minutes without optimisation.
+
+use diagnosis::{
+    Diagnosis, Dose, Model, Recording, Says, Testimony, Witnessed, diagnose, testimonies, turned,
+};
+use experiment::files::columns::Columns;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::model;
+use experiment::files::witness::WitnessColumn;
+use plant::Effect;
+use std::path::{Path, PathBuf};
+
+/// The folder of the records; `None` where they are missing, which is counted.
+fn folder() -> Option<PathBuf> {
+    let cases = test_data::file("outside2/cases.toml")?;
+    cases.parent().map(Path::to_owned)
+}
+
+fn part(folder: &Path, part: &str) -> Vec<Recording> {
+    let part: FilePart = folder.join(part).display().to_string().parse().unwrap();
+    RecordFiles::default().parts(&[part]).unwrap()
+}
+
+/// What was found in two spans of a file, without their force where it is not to be read.
+fn found(
+    folder: &Path,
+    declared: &str,
+    spans: [&str; 2],
+    with_force: bool,
+) -> (Model, Diagnosis, [Vec<Recording>; 2]) {
+    let declared = model::load(&folder.join(declared)).unwrap();
+    let sets = spans.map(|span| {
+        let mut records = part(folder, span);
+        for r in &mut records {
+            let mut own = Some(r);
+            while let Some(part) = own {
+                if !with_force {
+                    part.force_n = None;
+                }
+                own = part.before.as_deref_mut();
+            }
+        }
+        records
+    });
+    let diagnosis = diagnose(&declared, &sets[0], &sets[1], &[]).unwrap();
+    (declared, diagnosis, sets)
+}
+
+#[test]
+fn the_pressure_of_a_shake_table_shows_friction_and_no_asymmetry() {
+    let Some(folder) = folder() else { return };
+    let spans = ["table_small.csv@0..45", "table_small.csv@45..71.9"];
+    let (declared, diagnosis, sets) = found(&folder, "table.toml", spans, false);
+    let column = format!("{}:force_1", folder.join("table_small.csv").display());
+    let column: WitnessColumn = column.parse().unwrap();
+    let read = column.read(&Columns::default()).unwrap();
+    let witnessed = [0, 1].map(|set: usize| -> Vec<Witnessed> {
+        let beside = |r: &Recording| Witnessed {
+            record: r.clone(),
+            read: read.at(&r.time_s).unwrap(),
+        };
+        sets[set].iter().map(beside).collect()
+    });
+    let all = testimonies(&declared, &diagnosis, &sets[0], &witnessed);
+    let [
+        Testimony {
+            name,
+            says,
+            share,
+            others,
+            ..
+        },
+    ] = &all[..]
+    else {
+        panic!("{all:?}");
+    };
+    println!("{name} {says:?} {share:.2} {others:?}");
+    let of = |wanted: Effect| {
+        let other = others.iter().find(|o| o.name == wanted).map(|o| o.share);
+        if *name == wanted {
+            *share
+        } else {
+            other.unwrap_or(0.0)
+        }
+    };
+    // Motion that is held back at each reversal: by friction, or by play, which this motion cannot tell from it.
+    assert_eq!(*says, Says::For);
+    assert!(matches!(name, Effect::CoulombFriction | Effect::Backlash));
+    assert!(of(Effect::CoulombFriction) > 0.6);
+    assert!(of(Effect::AsymmetricActuator) < 0.15);
+}
+
+#[test]
+fn the_force_of_a_brake_follows_the_tension_of_its_band_and_nothing_declared_does() {
+    let Some(folder) = folder() else { return };
+    let spans = ["damper_35lb.csv@0..9", "damper_35lb.csv@9..16"];
+    let (declared, diagnosis, _) = found(&folder, "damper.toml", spans, true);
+    let dose = |(at, span): (f64, &str)| Dose {
+        at,
+        records: part(&folder, span),
+    };
+    let doses = [
+        (80.0, "damper_80lb.csv"),
+        (20.0, "damper_20lb.csv@0..16"),
+        (35.0, "damper_35lb.csv"),
+    ]
+    .map(dose);
+    let all = turned(&declared, &diagnosis, &doses);
+    let [brake] = &all[..] else {
+        panic!("{all:?}");
+    };
+    println!("{brake:?}");
+    assert_eq!(brake.doses, [20.0, 35.0, 80.0]);
+    for number in &brake.numbers {
+        assert_eq!(number.follows, number.name == "rms_n", "{number:?}");
+    }
+    // The plateaus that its makers measured, as they grow: 4.2, 9.2, 12.5 kN; its sliding fills most of each loop.
+    let made = &brake.numbers[0].values;
+    for (rms_n, plateau_n) in made.iter().zip([4.2e3, 9.2e3, 12.5e3]) {
+        assert!((0.6..1.0).contains(&(rms_n / plateau_n)), "{made:?}");
+    }
+    assert!(brake.left.iter().all(|left| *left < 0.25));
+}
