@@ -94,92 +94,102 @@ fn overlap(a: &Recording, b: &Recording) -> bool {
 
 /// Slopes between the channels, against those of the model.
 fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
-    let late = |a: &[f64], b: &[f64]| {
-        // A delay of up to a tenth of a second does not make it another quantity.
-        let most = (0.1 / r.interval_s()) as usize;
-        (0..=most.min(a.len() / 4))
-            .step_by((most / 25).max(1))
-            .map(|lag| correlation(&a[..a.len() - lag], &b[lag..]))
-            .fold(0.0_f64, |m, c| if c.abs() > m.abs() { c } else { m })
-    };
-    let slip = |what: &str, ratio: f64| {
-        Err(Refusal::new(format!(
-            "{}: {what} is {ratio:.3e} times what the model says: accepted is data in the units of its header",
-            r.name
-        )))
-    };
-    if let (Some(_), Some(u), Some(x)) = (&model.actuator, &r.command_mm, &r.displacement_mm) {
-        let (moves, answers) = (range(u), range(x));
-        if let Some(f) = &r.force_n
-            && moves > 0.0
-            && late(u, f).abs() > 0.95
-            && late(u, x).abs() < 0.5
-        {
-            return Err(Refusal::new(format!(
-                "{}: force follows the command and displacement does not: the columns look swapped; accepted is each \
-                 under its own header",
-                r.name
-            )));
-        }
-        if let Some(lead_s) = lead_s(model, u, x, r.interval_s()) {
-            return Err(Refusal::new(format!(
-                "{}: displacement goes before the command by {:.1} ms: the columns look swapped; accepted is each \
-                 under its own header",
-                r.name,
-                1e3 * lead_s
-            )));
-        }
-        if let Some(slow_s) = slower_than_declared(model, r.interval_s()) {
-            return Err(Refusal::new(format!(
-                "{}: samples lie {:.4} s apart, and the declared delay and lag are over after {:.4} s: is the time in \
-                 milliseconds? Accepted is its column as time_ms then, or a record with more samples",
-                r.name,
-                r.interval_s(),
-                slow_s
-            )));
-        }
-        let gain = model
-            .actuator
-            .as_ref()
-            .and_then(|a| a.gain)
-            .map_or(1.0, |g| g.value);
-        let ratio = answers / (moves * gain.abs()).max(f64::MIN_POSITIVE);
-        if moves > 0.0
-            && answers > 0.0
-            && late(u, x).abs() > 0.8
-            && !(1.0 / SLIP..SLIP).contains(&ratio)
-        {
-            return slip("displacement per command", ratio);
-        }
-    }
-    if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n)
-        && let Some(k) = s
-            .stiffness_n_per_mm
-            .map(|k| k.value.abs())
-            .filter(|k| *k > 0.0)
-    {
-        let ratio = range(f) / (k * range(x)).max(f64::MIN_POSITIVE);
-        // A force of the spring's size and of the other sign; that of a mass alone would be of any size.
-        if s.stiffness_n_per_mm.is_some_and(|k| k.value > 0.0)
-            && (0.5..2.0).contains(&ratio)
-            && correlation(x, f) < -0.9
-            && !may_be_inertia(s, x, r.interval_s())
-        {
-            return Err(Refusal::new(format!(
-                "{}: force falls where displacement rises: accepted is a force with the sign of the displacement, as \
-                 the declared stiffness has it; turn the sign of one of the two columns round",
-                r.name
-            )));
-        }
-        if range(x) > 0.0
-            && range(f) > 0.0
-            && correlation(x, f).abs() > 0.8
-            && !(1.0 / SLIP..SLIP).contains(&ratio)
-        {
-            return slip("force per displacement", ratio);
-        }
-    }
+    motion_per_command(model, r)?;
+    force_per_motion(model, r)?;
     drives(model, r)
+}
+
+/// The largest correlation of two channels, the second one up to a tenth of a second late: that does not make it another quantity.
+fn late(r: &Recording, a: &[f64], b: &[f64]) -> f64 {
+    let most = (0.1 / r.interval_s()) as usize;
+    (0..=most.min(a.len() / 4))
+        .step_by((most / 25).max(1))
+        .map(|lag| correlation(&a[..a.len() - lag], &b[lag..]))
+        .fold(0.0_f64, |m, c| if c.abs() > m.abs() { c } else { m })
+}
+
+fn slip(r: &Recording, what: &str, ratio: f64) -> Refusal {
+    Refusal::new(format!(
+        "{}: {what} is {ratio:.3e} times what the model says: accepted is data in the units of its header",
+        r.name
+    ))
+}
+
+fn motion_per_command(model: &Model, r: &Recording) -> Result<(), Refusal> {
+    let (Some(actuator), Some(u), Some(x)) = (&model.actuator, &r.command_mm, &r.displacement_mm)
+    else {
+        return Ok(());
+    };
+    let (moves, answers) = (range(u), range(x));
+    if let Some(f) = &r.force_n
+        && moves > 0.0
+        && late(r, u, f).abs() > 0.95
+        && late(r, u, x).abs() < 0.5
+    {
+        return Err(Refusal::new(format!(
+            "{}: force follows the command and displacement does not: the columns look swapped; accepted is each \
+             under its own header",
+            r.name
+        )));
+    }
+    if let Some(lead_s) = lead_s(model, u, x, r.interval_s()) {
+        return Err(Refusal::new(format!(
+            "{}: displacement goes before the command by {:.1} ms: the columns look swapped; accepted is each \
+             under its own header",
+            r.name,
+            1e3 * lead_s
+        )));
+    }
+    if let Some(slow_s) = slower_than_declared(model, r.interval_s()) {
+        return Err(Refusal::new(format!(
+            "{}: samples lie {:.4} s apart, and the declared delay and lag are over after {:.4} s: is the time in \
+             milliseconds? Accepted is its column as time_ms then, or a record with more samples",
+            r.name,
+            r.interval_s(),
+            slow_s
+        )));
+    }
+    let gain = actuator.gain.map_or(1.0, |g| g.value);
+    let ratio = answers / (moves * gain.abs()).max(f64::MIN_POSITIVE);
+    if moves > 0.0
+        && answers > 0.0
+        && late(r, u, x).abs() > 0.8
+        && !(1.0 / SLIP..SLIP).contains(&ratio)
+    {
+        return Err(slip(r, "displacement per command", ratio));
+    }
+    Ok(())
+}
+
+fn force_per_motion(model: &Model, r: &Recording) -> Result<(), Refusal> {
+    let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) else {
+        return Ok(());
+    };
+    let stiffness = s.stiffness_n_per_mm.map(|k| k.value.abs());
+    let Some(k) = stiffness.filter(|k| *k > 0.0) else {
+        return Ok(());
+    };
+    let ratio = range(f) / (k * range(x)).max(f64::MIN_POSITIVE);
+    // A force of the spring's size and of the other sign; that of a mass alone would be of any size.
+    if s.stiffness_n_per_mm.is_some_and(|k| k.value > 0.0)
+        && (0.5..2.0).contains(&ratio)
+        && correlation(x, f) < -0.9
+        && !may_be_inertia(s, x, r.interval_s())
+    {
+        return Err(Refusal::new(format!(
+            "{}: force falls where displacement rises: accepted is a force with the sign of the displacement, as \
+             the declared stiffness has it; turn the sign of one of the two columns round",
+            r.name
+        )));
+    }
+    if range(x) > 0.0
+        && range(f) > 0.0
+        && correlation(x, f).abs() > 0.8
+        && !(1.0 / SLIP..SLIP).contains(&ratio)
+    {
+        return Err(slip(r, "force per displacement", ratio));
+    }
+    Ok(())
 }
 
 /// A declared damper whose force drives the motion in the place of resisting it.

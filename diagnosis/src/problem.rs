@@ -38,6 +38,74 @@ pub struct FittedEffect {
     pub amplitudes: Vec<f64>,
 }
 
+/// A channel's view of one recording; `motion_mm` is its displacement where that is known better than by its reading.
+fn segment(
+    base: &Base,
+    r: &Recording,
+    cutoff_hz: f64,
+    motion_mm: Option<&Vec<f64>>,
+) -> Option<Segment> {
+    let h = r.interval_s();
+    let (mut whole, mut lead) = r.behind_its_past();
+    if let Some(x) = motion_mm
+        && x.len() < whole.time_s.len()
+    {
+        // The motion is known from the record's beginning on only.
+        (whole, lead) = (r.clone(), 0);
+    }
+    let displacement = whole.displacement_mm.as_ref()?;
+    let none = || vec![0.0; displacement.len()];
+    let (motion, reading, command, target) = match base.channel {
+        Channel::Actuator => (
+            None,
+            Vec::new(),
+            whole.command_mm.as_ref()?.clone(),
+            displacement.clone(),
+        ),
+        Channel::Specimen => {
+            let clean = without_hum(displacement, &whole);
+            let motion = match motion_mm {
+                Some(x) => spectrum::Motion::of(&x[x.len() - whole.time_s.len()..], h),
+                None => spectrum::smooth(&clean, h, cutoff_hz),
+            };
+            (
+                Some(motion),
+                clean,
+                Vec::new(),
+                whole.force_n.as_ref()?.clone(),
+            )
+        }
+    };
+    // Only damping and mass feel a corner more than the reading shows it.
+    let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
+    let corners = match &motion {
+        Some(m) if feels && motion_mm.is_some() => corners(&m.a),
+        _ => Vec::new(),
+    };
+    let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
+    let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
+    Some(Segment {
+        signals: Signals {
+            interval_s: h,
+            time_s: whole.time_s.clone(),
+            x,
+            largest_before_mm: r.largest_before_mm(),
+            travel_before_mm: travel::before_mm(r, lead),
+            v,
+            a,
+            base: none(),
+            force: whole.force_n.as_ref().map_or_else(none, smooth),
+            reading,
+            command,
+        },
+        target,
+        corners,
+        unmeasured: r.unmeasured().iter().map(|i| lead + i).collect(),
+        lead,
+        from: lead + settling(base, r, lead),
+    })
+}
+
 impl Problem {
     /// The channel's view of `recordings`; `None` where a signal is missing. `cutoff_hz` is where displacement ends
     /// and noise begins (specimen only); `motions` are the displacements, mm, where a model of the actuator tells them
@@ -48,68 +116,12 @@ impl Problem {
         cutoff_hz: f64,
         motions: &[Option<Vec<f64>>],
     ) -> Option<Self> {
-        let mut segments = Vec::new();
-        for (i, r) in recordings.iter().enumerate() {
-            let h = r.interval_s();
-            let (mut whole, mut lead) = r.behind_its_past();
-            if let Some(x) = motions.get(i).and_then(Option::as_ref)
-                && x.len() < whole.time_s.len()
-            {
-                // The motion is known from the record's beginning on only.
-                (whole, lead) = (r.clone(), 0);
-            }
-            let displacement = whole.displacement_mm.as_ref()?;
-            let none = || vec![0.0; displacement.len()];
-            let (motion, reading, command, target) = match base.channel {
-                Channel::Actuator => (
-                    None,
-                    Vec::new(),
-                    whole.command_mm.as_ref()?.clone(),
-                    displacement.clone(),
-                ),
-                Channel::Specimen => {
-                    let clean = without_hum(displacement, &whole);
-                    let motion = match motions.get(i).and_then(Option::as_ref) {
-                        Some(x) => spectrum::Motion::of(&x[x.len() - whole.time_s.len()..], h),
-                        None => spectrum::smooth(&clean, h, cutoff_hz),
-                    };
-                    (
-                        Some(motion),
-                        clean,
-                        Vec::new(),
-                        whole.force_n.as_ref()?.clone(),
-                    )
-                }
-            };
-            // Only damping and mass feel a corner more than the reading shows it.
-            let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
-            let corners = match &motion {
-                Some(m) if feels && motions.get(i).is_some_and(Option::is_some) => corners(&m.a),
-                _ => Vec::new(),
-            };
-            let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
-            let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
-            segments.push(Segment {
-                signals: Signals {
-                    interval_s: h,
-                    time_s: whole.time_s.clone(),
-                    x,
-                    largest_before_mm: r.largest_before_mm(),
-                    travel_before_mm: travel::before_mm(r, lead),
-                    v,
-                    a,
-                    base: none(),
-                    force: whole.force_n.as_ref().map_or_else(none, smooth),
-                    reading,
-                    command,
-                },
-                target,
-                corners,
-                unmeasured: r.unmeasured().iter().map(|i| lead + i).collect(),
-                lead,
-                from: lead + settling(base, r, lead),
-            });
-        }
+        let of = |(i, r)| {
+            let motion = motions.get(i).and_then(Option::as_ref);
+            segment(base, r, cutoff_hz, motion)
+        };
+        let segments = recordings.iter().enumerate().map(of);
+        let segments: Vec<Segment> = segments.collect::<Option<_>>()?;
         let first = segments.first()?;
         let unit = Transfer {
             gain: 1.0,

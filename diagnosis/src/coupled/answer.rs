@@ -183,26 +183,7 @@ impl Judge<'_> {
             }
             (false, true) => CoupledVerdict::Effect,
         };
-        let mut notes = Vec::new();
-        if silent && !wrong.is_empty() {
-            notes.push(format!(
-                "Nothing answers at {}: its force is zero throughout, and what is declared there does not stand in the \
-                 laboratory.",
-                self.declared.coordinates[i]
-            ));
-        }
-        for [a, b] in self
-            .tied
-            .uneven
-            .iter()
-            .filter(|pair| pair.iter().any(|p| p.0 == i))
-        {
-            notes.push(format!(
-                "{} is not {}: what acts one way should act back, so look at the calibration of the forces.",
-                self.name(*a),
-                self.name(*b)
-            ));
-        }
+        let notes = self.notes(i, silent && !wrong.is_empty());
         let before = rest(self.test, &declared);
         let after = rest(self.test, found);
         let test = &self.test[0];
@@ -222,6 +203,27 @@ impl Judge<'_> {
                 found: resisted(test, found),
             },
         }
+    }
+
+    /// What else there is to say of a coordinate; `dead`: something is wrong there because nothing answers.
+    fn notes(&self, i: usize, dead: bool) -> Vec<String> {
+        let dead = dead.then(|| {
+            format!(
+                "Nothing answers at {}: its force is zero throughout, and what is declared there does not stand in the \
+                 laboratory.",
+                self.declared.coordinates[i]
+            )
+        });
+        let uneven = self.tied.uneven.iter();
+        let uneven = uneven.filter(|pair| pair.iter().any(|p| p.0 == i));
+        let uneven = uneven.map(|[a, b]| {
+            format!(
+                "{} is not {}: what acts one way should act back, so look at the calibration of the forces.",
+                self.name(*a),
+                self.name(*b)
+            )
+        });
+        dead.into_iter().chain(uneven).collect()
     }
 
     fn entry(&self, row: usize, k: usize, found: Declared, as_well: &[usize]) -> WrongEntry {

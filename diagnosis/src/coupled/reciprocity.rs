@@ -28,6 +28,18 @@ pub struct Tied {
 /// Of a variance, what rounding may have left of it.
 const ROUNDING: f64 = 1e-9;
 
+/// What is known of two unknowns together, as if their difference had been measured to be zero.
+fn as_if_equal(a: usize, b: usize, value: &mut DVector<f64>, covariance: &mut DMatrix<f64>) {
+    let turn = covariance.column(a) - covariance.column(b);
+    let spread = turn[a] - turn[b];
+    if spread > 0.0 {
+        let gain = &turn / spread;
+        let off = value[a] - value[b];
+        value.axpy(-off, &gain, 1.0);
+        covariance.ger(-1.0, &gain, &turn, 1.0);
+    }
+}
+
 /// Ties the entries of `rows`.
 pub fn tie(specimen: &CoupledSpecimen, rows: &[Estimate], train: &[Moved]) -> Tied {
     let n = specimen.count();
@@ -74,16 +86,7 @@ pub fn tie(specimen: &CoupledSpecimen, rows: &[Estimate], train: &[Moved]) -> Ti
         }
     }
     for [a, b] in &tied {
-        // What is known of both together, as if their difference had been measured to be zero.
-        let (a, b) = (at(*a), at(*b));
-        let turn = covariance.column(a) - covariance.column(b);
-        let spread = turn[a] - turn[b];
-        if spread > 0.0 {
-            let gain = &turn / spread;
-            let off = value[a] - value[b];
-            value.axpy(-off, &gain, 1.0);
-            covariance.ger(-1.0, &gain, &turn, 1.0);
-        }
+        as_if_equal(at(*a), at(*b), &mut value, &mut covariance);
     }
     // Differences of large numbers are left: what they can be wrong by is no certainty.
     for (i, own) in apart.iter().enumerate() {

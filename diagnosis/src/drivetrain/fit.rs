@@ -103,6 +103,38 @@ pub struct ActuatorFit {
     pub slopes: Vec<Vec<f64>>,
 }
 
+/// Where a fit stands: what it moves.
+#[derive(Clone, Debug)]
+struct Place {
+    declared: [f64; DECLARED],
+    amplitudes: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+impl Place {
+    fn path(&self) -> SignalPath {
+        SignalPath {
+            delay_s: self.declared[1],
+            lag_s: self.declared[2],
+            parts: self.parts.clone(),
+        }
+    }
+
+    /// A step on: declared parameters, amplitudes, shapes.
+    fn moved_by(&self, step: &DVector<f64>) -> Self {
+        let mut next = self.clone();
+        let unknowns = next.declared.iter_mut().chain(&mut next.amplitudes);
+        let shapes = next.parts.iter_mut().flat_map(|p| {
+            let own = p.kind.shapes();
+            p.shapes.iter_mut().take(own)
+        });
+        for (unknown, step) in unknowns.chain(shapes).zip(step.iter()) {
+            *unknown += step;
+        }
+        next
+    }
+}
+
 impl<'a> ActuatorData<'a> {
     pub fn new(runs: Vec<Run>, interval_s: f64, base: &'a Base) -> Self {
         let target: Vec<f64> = runs.iter().flat_map(|r| r.target.clone()).collect();
@@ -279,115 +311,48 @@ impl<'a> ActuatorData<'a> {
 
     /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
     pub fn fit(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorFit> {
-        let mut declared: [f64; DECLARED] = std::array::from_fn(|i| {
+        let within = |i: usize| {
             let [low, high] = self.bound(i, model.moved[i]);
             start[i].clamp(low, high)
-        });
-        let mut parts = model.parts.clone();
-        let columned: Vec<PartKind> = parts
-            .iter()
-            .map(|p| p.kind)
-            .filter(|k| k.is_column())
-            .collect();
-        let mut amplitudes = vec![0.0; columned.len()];
-        let mut cost = f64::INFINITY;
+        };
+        let columned = model.parts.iter().filter(|p| p.kind.is_column());
+        let mut at = Place {
+            declared: std::array::from_fn(within),
+            amplitudes: vec![0.0; columned.count()],
+            parts: model.parts.clone(),
+        };
         let mut damping = 1e-6;
         let mut last: Option<ActuatorFit> = None;
         for _ in 0..STEPS {
-            let path = SignalPath {
-                delay_s: declared[1],
-                lag_s: declared[2],
-                parts: parts.clone(),
+            let here = self.linearized(model, &at);
+            let (cost, bounds) = (here.cost, self.room(model, &at));
+            let normal = Normal {
+                matrix: gram(&here.slopes),
+                right: DVector::from_fn(here.slopes.len(), |i, _| {
+                    dot(&here.slopes[i], &here.residual)
+                }),
+                square: cost,
             };
-            let columns = self.columns(&path);
-            let y = self.combined(&columns, &declared, &amplitudes);
-            let residual = self.left(&y);
-            let slopes = self.slopes(&path, &columns, &y, &declared, &amplitudes);
-            let mut bounds: Vec<Bound> = (0..DECLARED)
-                .map(|i| {
-                    let [low, high] = self.bound(i, model.moved[i]);
-                    Bound {
-                        low: low - declared[i],
-                        high: high - declared[i],
-                    }
-                })
-                .collect();
-            for (kind, a) in columned.iter().zip(&amplitudes) {
-                bounds.push(Bound {
-                    low: if kind.is_positive() {
-                        -a
-                    } else {
-                        f64::NEG_INFINITY
-                    },
-                    high: f64::INFINITY,
-                });
-            }
-            for p in &parts {
-                for i in 0..p.kind.shapes() {
-                    let [low, high] = p.kind.bounds(i, &self.sizes);
-                    // Not all the way at once: a shape acts other than in proportion.
-                    let step = 0.5
-                        * p.shapes[i]
-                            .abs()
-                            .max(0.02 * (high - low).min(self.sizes.x_mm));
-                    bounds.push(step_within([low, high], p.shapes[i], step));
-                }
-            }
-            let matrix = gram(&slopes);
-            let right = DVector::from_fn(slopes.len(), |i, _| dot(&slopes[i], &residual));
-            let square = dot(&residual, &residual);
-            if last.is_none() {
-                cost = square;
-            }
-            last = Some(ActuatorFit {
-                model: PartSet {
-                    parts: parts.clone(),
-                    moved: model.moved,
-                },
-                declared,
-                amplitudes: amplitudes.clone(),
-                cost: square,
-                residual,
-                slopes,
-            });
+            last = Some(here);
             let mut moved = false;
             for _ in 0..5 {
-                let mut normal = Normal {
-                    matrix: matrix.clone(),
-                    right: right.clone(),
-                    square,
-                };
-                for i in 0..normal.right.len() {
-                    normal.matrix[(i, i)] *= 1.0 + damping;
-                    normal.matrix[(i, i)] += f64::MIN_POSITIVE;
+                let mut damped = normal.clone();
+                for i in 0..damped.right.len() {
+                    damped.matrix[(i, i)] *= 1.0 + damping;
+                    damped.matrix[(i, i)] += f64::MIN_POSITIVE;
                 }
-                let (step, _) = solve(&normal, &bounds)?;
-                let next: [f64; DECLARED] = std::array::from_fn(|i| declared[i] + step[i]);
-                let more: Vec<f64> = amplitudes
-                    .iter()
-                    .enumerate()
-                    .map(|(i, a)| a + step[DECLARED + i])
-                    .collect();
-                let mut at = DECLARED + amplitudes.len();
-                let mut turned = parts.clone();
-                for p in &mut turned {
-                    for i in 0..p.kind.shapes() {
-                        p.shapes[i] += step[at];
-                        at += 1;
-                    }
-                }
-                let path = SignalPath {
-                    delay_s: next[1],
-                    lag_s: next[2],
-                    parts: turned.clone(),
-                };
-                let y = self.combined(&self.columns(&path), &next, &more);
-                let square: f64 = self.left(&y).iter().map(|r| r * r).sum();
+                let (step, _) = solve(&damped, &bounds)?;
+                let next = at.moved_by(&step);
+                let y = self.combined(
+                    &self.columns(&next.path()),
+                    &next.declared,
+                    &next.amplitudes,
+                );
+                let left = self.left(&y);
+                let square = dot(&left, &left);
                 if square < cost {
-                    let fall = cost - square;
-                    (declared, amplitudes, parts) = (next, more, turned);
-                    moved = fall > SETTLED * cost;
-                    cost = square;
+                    at = next;
+                    moved = cost - square > SETTLED * cost;
                     damping = (damping * 0.1).max(1e-9);
                     break;
                 }
@@ -398,6 +363,55 @@ impl<'a> ActuatorData<'a> {
             }
         }
         last.filter(|f| f.cost.is_finite())
+    }
+
+    /// The model there, with how its answer changes from there on.
+    fn linearized(&self, model: &PartSet, at: &Place) -> ActuatorFit {
+        let path = at.path();
+        let columns = self.columns(&path);
+        let y = self.combined(&columns, &at.declared, &at.amplitudes);
+        let residual = self.left(&y);
+        ActuatorFit {
+            slopes: self.slopes(&path, &columns, &y, &at.declared, &at.amplitudes),
+            model: PartSet {
+                parts: at.parts.clone(),
+                moved: model.moved,
+            },
+            declared: at.declared,
+            amplitudes: at.amplitudes.clone(),
+            cost: dot(&residual, &residual),
+            residual,
+        }
+    }
+
+    /// How far each unknown may go from there.
+    fn room(&self, model: &PartSet, at: &Place) -> Vec<Bound> {
+        let declared = (0..DECLARED).map(|i| {
+            let [low, high] = self.bound(i, model.moved[i]);
+            Bound {
+                low: low - at.declared[i],
+                high: high - at.declared[i],
+            }
+        });
+        let columned = at.parts.iter().filter(|p| p.kind.is_column());
+        let amplitudes = columned.zip(&at.amplitudes).map(|(p, a)| Bound {
+            low: if p.kind.is_positive() {
+                -a
+            } else {
+                f64::NEG_INFINITY
+            },
+            high: f64::INFINITY,
+        });
+        let shapes = at.parts.iter().flat_map(|p| {
+            (0..p.kind.shapes()).map(|i| {
+                let [low, high] = p.kind.bounds(i, &self.sizes);
+                // Not all the way at once: a shape acts other than in proportion.
+                let least = 0.02 * (high - low).min(self.sizes.x_mm);
+                let step = 0.5 * p.shapes[i].abs().max(least);
+                step_within([low, high], p.shapes[i], step)
+            })
+        });
+        declared.chain(amplitudes).chain(shapes).collect()
     }
 
     /// How the answer changes with declared parameters, amplitudes and shapes.

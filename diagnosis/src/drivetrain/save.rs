@@ -1,7 +1,7 @@
 //! What was found, as figures with their scatter and as a part of a model.
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED};
-use super::part::PartKind;
+use super::part::{Part, PartKind};
 use crate::interval;
 use crate::model::{Declared, Model};
 use plant::{Channel, Effect, EffectSpec};
@@ -45,17 +45,15 @@ impl ActuatorData<'_> {
             let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
             return vec![(p.error_parameter, p.error_unit(), error, scatter)];
         }
-        let gain = fit.declared[0].abs();
+        let (gain, lag_s) = (fit.declared[0].abs(), fit.declared[2].max(1e-6));
         let mut amplitude_at = DECLARED;
         let mut shape_at = DECLARED + fit.amplitudes.len();
         let mut out = Vec::new();
         for part in &fit.model.parts {
-            let [a, b, c, d] = part.shapes;
             let mut scatter = [0.0; 4];
             let own = part.kind.shapes();
             scatter[..own].copy_from_slice(&spread[shape_at..shape_at + own]);
-            let [sa, sb, sc, sd] = scatter;
-            shape_at += part.kind.shapes();
+            shape_at += own;
             let (strength, ss) = if part.kind.is_column() {
                 amplitude_at += 1;
                 (
@@ -68,60 +66,7 @@ impl ActuatorData<'_> {
             if part.effect() != name {
                 continue;
             }
-            let lag_s = fit.declared[2].max(1e-6);
-            out.extend(match part.kind {
-                PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
-                PartKind::OilColumn => {
-                    vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
-                }
-                PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
-                PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
-                PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
-                PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
-                PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
-                PartKind::Play | PartKind::DeadBand => {
-                    vec![("width_mm", "mm", a * gain, sa * gain)]
-                }
-                PartKind::Stops => {
-                    let nearest = if a.abs() < b.abs() {
-                        (a.abs(), sa)
-                    } else {
-                        (b.abs(), sb)
-                    };
-                    vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
-                }
-                PartKind::Friction => vec![
-                    ("error_mm", "mm", strength, ss),
-                    ("presliding_mm", "mm", a, sa),
-                ],
-                PartKind::Seal | PartKind::StickySeal => {
-                    let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];
-                    if part.kind == PartKind::StickySeal {
-                        all.push(("rest_ratio", "", c, sc));
-                        all.push(("stribeck_mm_per_s", "mm/s", d * gain, sd * gain));
-                    }
-                    all.push(("presliding_mm", "mm", b * gain, sb * gain));
-                    all
-                }
-                PartKind::Compliance => {
-                    let stiffness = 1.0 / strength.max(1e-12);
-                    vec![(
-                        "stiffness_n_per_mm",
-                        "N/mm",
-                        stiffness,
-                        stiffness * stiffness * ss,
-                    )]
-                }
-                PartKind::SideGain => vec![("difference", "", strength / gain, ss / gain)],
-                PartKind::Drift => vec![
-                    ("rate_mm_per_s", "mm/s", strength / a, ss / a),
-                    ("time_constant_s", "s", a, sa),
-                ],
-                PartKind::GainDrift => vec![
-                    ("change", "", strength / gain, ss / gain),
-                    ("time_constant_s", "s", a, sa),
-                ],
-            });
+            out.extend(part_figures(part, [strength, ss], scatter, [gain, lag_s]));
         }
         out
     }
@@ -183,5 +128,68 @@ impl ActuatorData<'_> {
             };
             effects.push(EffectSpec::new(part.kind.effect(), &parameters));
         }
+    }
+}
+
+/// The figures of a part: of its strength and shapes with how far each is scattered, behind a gain and a lag, s.
+fn part_figures(
+    part: &Part,
+    [strength, ss]: [f64; 2],
+    [sa, sb, sc, sd]: [f64; 4],
+    [gain, lag_s]: [f64; 2],
+) -> Vec<Figure> {
+    let [a, b, c, d] = part.shapes;
+    match part.kind {
+        PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
+        PartKind::OilColumn => {
+            vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
+        }
+        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+        PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
+        PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
+        PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
+        PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+        PartKind::Play | PartKind::DeadBand => {
+            vec![("width_mm", "mm", a * gain, sa * gain)]
+        }
+        PartKind::Stops => {
+            let nearest = if a.abs() < b.abs() {
+                (a.abs(), sa)
+            } else {
+                (b.abs(), sb)
+            };
+            vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
+        }
+        PartKind::Friction => vec![
+            ("error_mm", "mm", strength, ss),
+            ("presliding_mm", "mm", a, sa),
+        ],
+        PartKind::Seal | PartKind::StickySeal => {
+            let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];
+            if part.kind == PartKind::StickySeal {
+                all.push(("rest_ratio", "", c, sc));
+                all.push(("stribeck_mm_per_s", "mm/s", d * gain, sd * gain));
+            }
+            all.push(("presliding_mm", "mm", b * gain, sb * gain));
+            all
+        }
+        PartKind::Compliance => {
+            let stiffness = 1.0 / strength.max(1e-12);
+            vec![(
+                "stiffness_n_per_mm",
+                "N/mm",
+                stiffness,
+                stiffness * stiffness * ss,
+            )]
+        }
+        PartKind::SideGain => vec![("difference", "", strength / gain, ss / gain)],
+        PartKind::Drift => vec![
+            ("rate_mm_per_s", "mm/s", strength / a, ss / a),
+            ("time_constant_s", "s", a, sa),
+        ],
+        PartKind::GainDrift => vec![
+            ("change", "", strength / gain, ss / gain),
+            ("time_constant_s", "s", a, sa),
+        ],
     }
 }

@@ -55,15 +55,7 @@ pub fn tires(effect: &EffectSpec) -> bool {
 pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
     let own = form_names(candidate.channel, effect);
     if !own.is_empty() {
-        let shape = |name: &&str| {
-            let value = effect.parameters.get(*name).copied().unwrap_or(0.0);
-            if name.ends_with("_ms") {
-                1e-3 * value
-            } else {
-                value
-            }
-        };
-        return (Vec::new(), own.iter().map(shape).collect());
+        return (Vec::new(), form_shapes(effect, own));
     }
     let get = |name: &'static str| effect.parameter(name).unwrap_or(0.0);
     let milli = |name: &'static str| 1e-3 * get(name);
@@ -93,14 +85,10 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
             vec![of_unit("force_n", "error_mm")],
             vec![get("presliding_mm")],
         ),
-        Effect::StribeckFriction => {
-            let sliding = of_unit("force_n", "error_mm");
-            let falls = sliding * (get("rest_ratio") - 1.0) / (MOST_AT_REST - 1.0);
-            (
-                vec![sliding - falls, falls],
-                vec![get("presliding_mm"), get("stribeck_mm_per_s")],
-            )
-        }
+        Effect::StribeckFriction => (
+            at_rest_and_sliding(of_unit("force_n", "error_mm"), get("rest_ratio")),
+            vec![get("presliding_mm"), get("stribeck_mm_per_s")],
+        ),
         Effect::BilinearHysteresis => (vec![1.0 - get("hardening_ratio")], vec![get("yield_mm")]),
         Effect::BoucWenHysteresis => (
             vec![1.0 - get("hardening_ratio")],
@@ -125,16 +113,10 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
         Effect::Softening | Effect::Degradation => {
             (once, vec![get("reference_mm"), get("exponent")])
         }
-        Effect::AsymmetricActuator => {
-            let retract_s = milli("retract_lag_ms");
-            let whole = f64::from(retract_s > 0.0);
-            let lag_s = if retract_s > 0.0 {
-                retract_s
-            } else {
-                k.interval_s
-            };
-            (vec![get("difference"), whole], vec![lag_s])
-        }
+        Effect::AsymmetricActuator => match milli("retract_lag_ms") {
+            lag_s if lag_s > 0.0 => (vec![get("difference"), 1.0], vec![lag_s]),
+            _ => (vec![get("difference"), 0.0], vec![k.interval_s]),
+        },
         Effect::AsymmetricStiffness => (vec![get("difference")], vec![]),
         Effect::InertiaForce => (vec![get("mass_kg")], vec![]),
         Effect::MainsHum => {
@@ -145,4 +127,23 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
         // Read off the values themselves: no candidate has it.
         Effect::Quantisation | Effect::FrozenSensor | Effect::SensorNoise => (vec![], vec![]),
     }
+}
+
+/// Shapes of a form, in its order.
+fn form_shapes(effect: &EffectSpec, names: &[&str]) -> Vec<f64> {
+    let shape = |name: &&str| {
+        let value = effect.parameters.get(*name).copied().unwrap_or(0.0);
+        if name.ends_with("_ms") {
+            1e-3 * value
+        } else {
+            value
+        }
+    };
+    names.iter().map(shape).collect()
+}
+
+/// What slides at every speed, and what is added to it at rest, of the column that has the most at rest.
+fn at_rest_and_sliding(sliding: f64, rest_ratio: f64) -> Vec<f64> {
+    let falls = sliding * (rest_ratio - 1.0) / (MOST_AT_REST - 1.0);
+    vec![sliding - falls, falls]
 }

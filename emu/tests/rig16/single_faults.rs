@@ -80,8 +80,13 @@ const FAULTS: [InjectedFault; 42] = [
 /// (docs/hazards.md).
 const LIKE_A_BREAK: InjectedFault = ReversedForce;
 
-/// Nothing commands any more, and the piston stands where the plan was: a test that a person holds, and a program that hangs.
-const STANDS: [InjectedFault; 2] = [Button, Drill(5)];
+/// What ends where the plan was: a test that a person holds, a link that is lost for long, which ends on the same ramp, and a program
+/// that hangs and commands nothing any more.
+const STANDS: [InjectedFault; 3] = [Button, LinkCut(2500), Drill(5)];
+
+/// So many steps are seen of the plan, and of a test with a fault, unless PERMIT falls later: a lost link is waited for.
+const PLANNED_STEPS: usize = 3000;
+const SEEN_STEPS: usize = 2000;
 
 /// Control steps in a millisecond.
 const STEPS_PER_MS: f64 = 2.0;
@@ -179,7 +184,8 @@ fn run(actuator: Actuator, fault: Option<InjectedFault>, after_steps: u64) -> Ve
             let sampled = *before_power_up.get_or_insert(log.position_m.len() - log.periods);
             let began = log.permitted.iter().position(|p| *p);
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
-            if ended || moved > 2000 {
+            let enough = fault.map_or(PLANNED_STEPS, |_| SEEN_STEPS);
+            if ended || moved > enough {
                 if let Some(fault) = fault {
                     assert_came(fault, &log);
                 }
@@ -209,7 +215,8 @@ fn beyond_in_a_test(
     // The target goes ahead of a sound piston by the actuator's delay: neither is beyond the plan.
     let ahead = (actuator.delay_ms * STEPS_PER_MS) as usize;
     let apart = went.iter().enumerate().map(|(i, went)| {
-        let since = held.map_or(i, |held| held.min(i)).min(plan.len() - 1);
+        let since = held.map_or(i, |held| held.min(i));
+        assert!(i < plan.len(), "the plan is too short");
         let places = plan[since..].iter().take(i + ahead + 1 - since);
         let nearest = places.map(|plan| (went - plan).abs());
         nearest.fold(f64::INFINITY, f64::min)

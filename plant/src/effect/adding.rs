@@ -49,11 +49,7 @@ impl Adding<'_> {
             }
             Effect::RigCompliance => self.rig_compliance(),
             Effect::Drift => self.drift(),
-            Effect::TemperatureGain => {
-                let (change, time_constant_s) = (self.get("change"), self.get("time_constant_s"));
-                let warm_up = WarmUp::new(change, time_constant_s, self.step_s());
-                self.scalar(Stage::WarmUp(warm_up));
-            }
+            Effect::TemperatureGain => self.temperature_gain(),
             Effect::CoulombFriction => self.friction(None),
             Effect::StribeckFriction => {
                 let stribeck = (self.get("rest_ratio"), self.milli("stribeck_mm_per_s"));
@@ -103,17 +99,25 @@ impl Adding<'_> {
             }
             Effect::InertiaForce => self.to.mass_kg += self.get("mass_kg"),
             Effect::MainsHum => self.mains_hum(),
+            Effect::FrozenSensor => self.read().before_sampling.push(Stage::Held(None)),
             Effect::Quantisation => {
                 let step = self.either("step_mm", "step_n");
                 self.read().after_sensor.push(Stage::Rounding(step));
             }
-            Effect::FrozenSensor => self.read().before_sampling.push(Stage::Held(None)),
-            Effect::SensorNoise => {
-                let rms = self.either("rms_mm", "rms_n");
-                let noise = Stage::Noise(Box::new(self.noise.clone()), rms);
-                self.read().after_sensor.push(noise);
-            }
+            Effect::SensorNoise => self.sensor_noise(),
         }
+    }
+
+    fn sensor_noise(mut self) {
+        let rms = self.either("rms_mm", "rms_n");
+        let noise = Stage::Noise(Box::new(self.noise.clone()), rms);
+        self.read().after_sensor.push(noise);
+    }
+
+    fn temperature_gain(self) {
+        let (change, time_constant_s) = (self.get("change"), self.get("time_constant_s"));
+        let warm_up = WarmUp::new(change, time_constant_s, self.step_s());
+        self.scalar(Stage::WarmUp(warm_up));
     }
 
     fn oil_column(self) {
