@@ -155,15 +155,18 @@ impl Hearing<'_> {
             new
         });
         models.truncate(OTHERS);
-        let views = [View::of(with_train)?, View::of(with_test)?];
-        let motion = views[0].fitted(&[], &views[1])?;
+        let cutoff_hz = cutoff_hz(&with_train.first()?.record)?;
+        let (train, test) = (
+            View::of(with_train, cutoff_hz)?,
+            View::of(with_test, cutoff_hz)?,
+        );
+        let motion = train.left_of(&test, [&[], &[]])?;
         let heard = |model: &Model| {
             let added = |view: &View| view.added(channel, self.without, model);
-            let [train, test] = [added(&views[0])?, added(&views[1])?];
-            views[0].fitted_beside(&train, &views[1], &test)
+            train.left_of(&test, [&added(&train)?, &added(&test)?])
         };
         let after = heard(&own.model)?;
-        let h = views[1].interval_s;
+        let h = test.interval_s;
         let share = |after: &[Vec<f64>]| 1.0 - (rms(after) / rms(&motion)).powi(2);
         let share_ci90 = interval::improvement(&motion, &after, h)
             .map(|fall| 1.0 - (1.0 - fall / rms(&motion)).powi(2));
@@ -202,11 +205,21 @@ impl Hearing<'_> {
     }
 }
 
+/// Up to where a witness is read, Hz.
+fn cutoff_hz(first: &Recording) -> Option<f64> {
+    let h = first.interval_s();
+    let band_hz = spectrum::motion_band_hz(first.displacement_mm.as_ref()?, h)?;
+    Some((BANDS * band_hz).min(0.25 / h))
+}
+
+/// Columns of a regression, sample by sample.
+type Columns = Vec<Vec<f64>>;
+
 /// Records with their witness, as a fit takes them.
 struct View {
     records: Vec<Recording>,
     /// What the motion can make of the witness, record by record.
-    motion: Vec<Vec<Vec<f64>>>,
+    motion: Vec<Columns>,
     /// The witness below the cut-off.
     read: Vec<Vec<f64>>,
     cutoff_hz: f64,
@@ -214,11 +227,8 @@ struct View {
 }
 
 impl View {
-    fn of(witnessed: &[Witnessed]) -> Option<Self> {
-        let first = witnessed.first()?;
-        let h = first.record.interval_s();
-        let band_hz = spectrum::motion_band_hz(first.record.displacement_mm.as_ref()?, h)?;
-        let cutoff_hz = (BANDS * band_hz).min(0.25 / h);
+    fn of(witnessed: &[Witnessed], cutoff_hz: f64) -> Option<Self> {
+        let h = witnessed.first()?.record.interval_s();
         let mut view = Self {
             records: Vec::new(),
             motion: Vec::new(),
@@ -239,7 +249,7 @@ impl View {
     }
 
     /// What a model adds to another's answer, and its derivative, record by record.
-    fn added(&self, channel: Channel, without: &Model, with: &Model) -> Option<Vec<Vec<Vec<f64>>>> {
+    fn added(&self, channel: Channel, without: &Model, with: &Model) -> Option<Vec<Columns>> {
         let answers = |m: &Model| answers(&Base::of(m, channel)?, &self.records, self.cutoff_hz);
         let [without, with] = [without, with].map(answers);
         let (without, with) = (without?, with?);
@@ -251,27 +261,17 @@ impl View {
         Some(with.iter().zip(&without).map(columns).collect())
     }
 
-    /// What the motion leaves of the witness of `test`, fitted here.
-    fn fitted(&self, beside: &[Vec<Vec<f64>>], test: &View) -> Option<Vec<Vec<f64>>> {
-        self.fitted_beside(beside, test, beside)
-    }
-
-    /// The same with columns beside the motion's, of these records and of those of `test`.
-    fn fitted_beside(
-        &self,
-        beside: &[Vec<Vec<f64>>],
-        test: &View,
-        beside_test: &[Vec<Vec<f64>>],
-    ) -> Option<Vec<Vec<f64>>> {
-        let all = |view: &View, beside: &[Vec<Vec<f64>>]| -> Vec<Vec<Vec<f64>>> {
+    /// What the motion, and columns beside it here and there, leave of the witness of `test`, fitted here.
+    fn left_of(&self, test: &View, [here, there]: [&[Columns]; 2]) -> Option<Vec<Vec<f64>>> {
+        let all = |view: &View, beside: &[Columns]| -> Vec<Columns> {
             let each = view.motion.iter().enumerate();
-            let with = |(i, own): (usize, &Vec<Vec<f64>>)| {
+            let with = |(i, own): (usize, &Columns)| {
                 let further = beside.get(i).cloned().unwrap_or_default();
                 [own.clone(), further].concat()
             };
             each.map(with).collect()
         };
-        let columns = stacked(all(self, beside));
+        let columns = stacked(all(self, here));
         let read = self.read.concat();
         let normal = Normal {
             matrix: gram(&columns),
@@ -279,7 +279,7 @@ impl View {
             square: 0.0,
         };
         let (weights, _) = solve(&normal, &vec![Bound::FREE; columns.len()])?;
-        let left = all(test, beside_test).into_iter().zip(&test.read);
+        let left = all(test, there).into_iter().zip(&test.read);
         let left = left.map(|(columns, read)| {
             let mut left = read.clone();
             add_columns(&mut left, &columns, weights.as_slice(), -1.0);

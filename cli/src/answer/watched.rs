@@ -36,7 +36,7 @@ impl Figures<'_> {
             let curves = self.coloured(&spans, off);
             Self::in_time(d, shape, label, &curves, self.on_floor(j, caption));
         }
-        d.on_page(|d| d.items(watch.events.iter().map(WatchEvent::in_words).collect()));
+        d.on_page(|d| d.items(watch.lines()));
     }
 
     /// From which integration step to which it said what, as a place in [`STATES`].

@@ -105,6 +105,18 @@ pub struct WatchReport {
 }
 
 impl WatchReport {
+    /// A line for each change. The last event is no change: it has what had settled at the end, and since when.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.events.iter().map(WatchEvent::in_words).collect();
+        if let ([before @ .., end], Some(line)) = (&self.events[..], lines.last_mut()) {
+            let same = before.iter().rev().take_while(|e| e.says_the_same(end));
+            if let Some(since) = same.last() {
+                *line = format!("at the end: {}", end.since(since.t_s));
+            }
+        }
+        lines
+    }
+
     /// What happened and when, in a sentence.
     pub fn sentence(&self) -> String {
         let first = self.events.iter().find(|e| !e.set.is_empty());
@@ -209,8 +221,13 @@ impl Watchable {
 impl WatchEvent {
     /// As `named since 9.40 s: delay_error of the actuator (12.1 ms, 11.8 to 12.4); it is corrected for`.
     pub fn in_words(&self) -> String {
+        self.since(self.t_s)
+    }
+
+    /// The same, where it has been so since another instant.
+    fn since(&self, t_s: f64) -> String {
         let causes: Vec<String> = self.set.iter().map(NamedCause::in_words).collect();
-        let mut said = format!("{} since {:.2} s", self.state, self.t_s);
+        let mut said = format!("{} since {t_s:.2} s", self.state);
         if !causes.is_empty() {
             said += ": ";
             said += &causes.join(", or ");
@@ -222,6 +239,17 @@ impl WatchEvent {
             said += "; the compensation is held at what was declared";
         }
         said
+    }
+}
+
+impl WatchEvent {
+    /// Whether it says of the same causes what another one does, whatever their values are by now.
+    fn says_the_same(&self, other: &Self) -> bool {
+        let causes = |e: &Self| -> Vec<_> {
+            let own = e.set.iter().map(|c| (c.name, c.side, c.actuator));
+            own.collect()
+        };
+        self.state == other.state && causes(self) == causes(other)
     }
 }
 
@@ -237,5 +265,66 @@ impl NamedCause {
             "{of} ({}, {low} to {high})",
             with_unit(self.value, self.unit)
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NamedCause, WatchEvent, WatchReport};
+
+    fn event(t_s: f64, state: &'static str, value: f64) -> WatchEvent {
+        let cause = NamedCause {
+            name: "delay_error",
+            side: "actuator",
+            actuator: None,
+            value,
+            unit: "ms",
+            ci90: [value - 0.5, value + 0.5],
+            corrected: None,
+        };
+        WatchEvent {
+            t_s,
+            state,
+            set: if state == "named" {
+                vec![cause]
+            } else {
+                Vec::new()
+            },
+            corrected: false,
+            held: false,
+        }
+    }
+
+    #[test]
+    fn the_last_line_says_since_when_it_has_been_so_and_not_when_the_test_ended() {
+        let mut report = WatchReport {
+            state: "named",
+            events: vec![
+                event(8.0, "doubtful", 0.0),
+                event(8.3, "named", 9.0),
+                event(30.0, "named", 12.0),
+            ],
+            corrections: Vec::new(),
+            diagnosis: None,
+            watchable: Vec::new(),
+            not_watched: Vec::new(),
+        };
+        let lines = report.lines();
+        assert_eq!(lines[0], "doubtful since 8.00 s");
+        assert!(
+            lines[1].starts_with("named since 8.30 s: delay_error"),
+            "{lines:?}"
+        );
+        assert!(
+            lines[2].starts_with("at the end: named since 8.30 s: delay_error"),
+            "{lines:?}"
+        );
+        assert!(
+            lines[2].contains("12.0 ms") || lines[2].contains("12 ms"),
+            "{lines:?}"
+        );
+        // What changed at the end has been so since then.
+        report.events.push(event(31.0, "sound", 0.0));
+        assert_eq!(report.lines()[3], "sound since 31.00 s");
     }
 }

@@ -12,9 +12,12 @@ use std::path::Path;
 /// Training and held-out records.
 type Sets<T> = [Vec<T>; 2];
 
+/// What a witness read beside each record, `None` where it does not cover it.
+pub(super) type Read = Sets<Option<Vec<f64>>>;
+
 impl Diagnose {
-    /// What each witness read beside the records, `None` beside those that it does not cover. A channel of the records that is a
-    /// witness is taken out of them, and of what the files hold before them.
+    /// What each witness read beside the records. A channel of the records that is a witness is taken out of them, and of what the
+    /// files hold before them.
     ///
     /// # Errors
     /// A witness that cannot be read, that covers no record of one of the sets, or that the declared model needs.
@@ -22,7 +25,7 @@ impl Diagnose {
         &self,
         declared: &Model,
         sets: &mut Sets<Recording>,
-    ) -> Result<Vec<Sets<Option<Vec<f64>>>>, Failure> {
+    ) -> Result<Vec<Read>, Failure> {
         let one = |witness: &WitnessColumn| {
             let read = witness.read(&self.columns)?;
             let refuse = |why: &str| Failure::input(format!("--witness {witness}: {why}"));
@@ -66,10 +69,10 @@ impl Diagnose {
         declared: &Model,
         diagnosis: &Diagnosis,
         [train, test]: &Sets<Recording>,
-        called: &[Sets<Option<Vec<f64>>>],
+        called: &[Read],
     ) -> Vec<Witness> {
-        let of = |(witness, read): (&WitnessColumn, &Sets<Option<Vec<f64>>>)| {
-            let beside = |(records, read): (&'_ [Recording], &'_ [Option<Vec<f64>>])| {
+        let of = |(witness, read): (&WitnessColumn, &Read)| {
+            let beside = |(records, read): (&[Recording], &[Option<Vec<f64>>])| {
                 let pairs = records.iter().zip(read);
                 let with = pairs.filter_map(|(record, read)| {
                     let read = read.clone()?;
