@@ -2,6 +2,7 @@
 
 mod coupled;
 mod dial;
+mod setting;
 mod witness;
 
 use super::{hand_over, json};
@@ -10,7 +11,6 @@ use crate::designed_test;
 use crate::provenance::WithProvenance;
 use crate::terminal;
 use diagnosis::{Diagnosis, ForceUnit, Model, Next, Turned};
-use dial::DialArgument;
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles, without_force_unit};
@@ -19,6 +19,7 @@ use experiment::files::{look_ahead, model, output};
 use plant::Channel;
 use schemars::JsonSchema;
 use serde::Serialize;
+use setting::DialArgument;
 use std::path::{Path, PathBuf};
 
 /// Find what the declared model lacks
