@@ -9,6 +9,7 @@ use crate::base::Base;
 use crate::criteria::REACH;
 use crate::diagnose::Diagnosis;
 use crate::engine::{self, OfOneName};
+use crate::in_question::{InQuestion, in_question};
 use crate::model::Model;
 use crate::modelled::answers;
 use crate::recording::{Recording, range};
@@ -77,24 +78,11 @@ impl Turned {
 pub fn turned(model: &Model, diagnosis: &Diagnosis, doses: &[Dose]) -> Vec<Turned> {
     let mut doses: Vec<&Dose> = doses.iter().collect();
     doses.sort_by(|a, b| a.at.total_cmp(&b.at));
-    let mut all = Vec::new();
-    for answer in &diagnosis.channels {
-        let of = |without: &Model, name| of_name(without, answer, name, &doses);
-        match answer.verdict {
-            Verdict::None | Verdict::NotAssessed | Verdict::Unknown => {}
-            Verdict::Ambiguous => {
-                let preferred = answer.effects.first();
-                all.extend(preferred.and_then(|e| of(model, e.name)));
-            }
-            Verdict::Effect | Verdict::Partial => {
-                for name in answer.effects.iter().map(|e| e.name) {
-                    let without = diagnosis.improved.without(answer.channel, name);
-                    all.extend(of(&without, name));
-                }
-            }
-        }
-    }
-    all
+    let mut all = in_question(model, diagnosis);
+    // What has no name has no number.
+    all.retain(|q| q.answer.verdict != Verdict::Unknown);
+    let of = |q: &InQuestion<'_>| of_name(&q.without, q.answer, q.name?, &doses);
+    all.iter().filter_map(of).collect()
 }
 
 /// One name; `None` where a record lacks a signal or cannot be fitted.

@@ -25,6 +25,7 @@ mod expected_error;
 mod fit;
 mod hunting;
 mod identify;
+mod in_question;
 mod input;
 mod interpretation;
 mod interval;

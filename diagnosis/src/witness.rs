@@ -6,10 +6,10 @@
 //! whatever the witness is, of what a law does it shows a share of its own. Both are fitted over the training data and judged on
 //! the held-out data. What only displaces, delays, damps or weighs is a part of the motion already: of that no witness can speak.
 
-use crate::answer::{ChannelAnswer, Verdict};
 use crate::base::Base;
 use crate::diagnose::Diagnosis;
 use crate::engine;
+use crate::in_question::{InQuestion, in_question};
 use crate::interval;
 use crate::linear::{Bound, Normal, dot, gram, solve, stacked};
 use crate::model::Model;
@@ -98,111 +98,87 @@ pub fn testimonies(
     train: &[Recording],
     witnessed: &[Vec<Witnessed>; 2],
 ) -> Vec<Testimony> {
-    let mut all = Vec::new();
-    for answer in &diagnosis.channels {
-        let hear = |without: &Model, name: Option<Effect>| {
-            let hearing = Hearing {
-                answer,
-                without,
-                train,
-            };
-            hearing.testimony(name, witnessed)
-        };
-        match answer.verdict {
-            Verdict::None | Verdict::NotAssessed => {}
-            Verdict::Unknown => all.extend(hear(model, answer.nearest.as_ref().map(|n| n.name))),
-            Verdict::Ambiguous => all.extend(hear(model, answer.effects.first().map(|e| e.name))),
-            Verdict::Effect | Verdict::Partial => {
-                for name in answer.effects.iter().map(|e| e.name) {
-                    let without = diagnosis.improved.without(answer.channel, name);
-                    all.extend(hear(&without, Some(name)));
-                }
-            }
-        }
-    }
-    all
+    let all = in_question(model, diagnosis);
+    all.iter()
+        .filter_map(|q| testimony(q, train, witnessed))
+        .collect()
 }
 
-/// A name in question.
-struct Hearing<'a> {
-    answer: &'a ChannelAnswer,
-    /// The model without it.
-    without: &'a Model,
-    train: &'a [Recording],
-}
-
-impl Hearing<'_> {
-    /// Of a name, or of that which leaves least.
-    fn testimony(
-        &self,
-        name: Option<Effect>,
-        [with_train, with_test]: &[Vec<Witnessed>; 2],
-    ) -> Option<Testimony> {
-        let channel = self.answer.channel;
-        let mut models = engine::each(self.without, channel, self.train, |_| true);
-        let own = models
-            .iter()
-            .position(|m| name.is_none_or(|n| m.name == n))?;
-        let own = models.remove(own);
-        let name = own.name;
-        // Those of the answer, then the nearest; one of a family, and none of the name's own.
-        models.sort_by_key(|m| !self.answer.alternatives.contains(&m.name));
-        let mut families: Vec<Family> = vec![name.entry().family];
-        models.retain(|m| {
-            let family = m.name.entry().family;
-            let new = !families.contains(&family) && family != Family::Interference;
-            families.push(family);
-            new
-        });
-        models.truncate(OTHERS);
-        let cutoff_hz = cutoff_hz(&with_train.first()?.record)?;
-        let (train, test) = (
-            View::of(with_train, cutoff_hz)?,
-            View::of(with_test, cutoff_hz)?,
-        );
-        let motion = train.left_of(&test, [&[], &[]])?;
-        let heard = |model: &Model| {
-            let added = |view: &View| view.added(channel, self.without, model);
-            train.left_of(&test, [&added(&train)?, &added(&test)?])
-        };
-        let after = heard(&own.model)?;
-        let h = test.interval_s;
-        let share = |after: &[Vec<f64>]| 1.0 - (rms(after) / rms(&motion)).powi(2);
-        let share_ci90 = interval::improvement(&motion, &after, h)
-            .map(|fall| 1.0 - (1.0 - fall / rms(&motion)).powi(2));
-        let others = models
-            .iter()
-            .filter_map(|m| Some((m.name, heard(&m.model)?)));
-        let others: Vec<(Effect, Vec<Vec<f64>>)> = others.collect();
-        let own_share = share(&after);
-        let better = |other: &Vec<Vec<f64>>| {
-            share(other) > own_share + HEARD && interval::improvement(&after, other, h)[0] > 0.0
-        };
-        let says = if others.iter().any(|o| better(&o.1)) {
-            Says::Against
-        } else if own_share > HEARD && share_ci90[0] > 0.0 {
-            Says::For
-        } else {
-            Says::Nothing
-        };
-        let other = |(name, after): &(Effect, Vec<Vec<f64>>)| Other {
-            name: *name,
-            share: share(after),
-        };
-        Some(Testimony {
-            channel,
-            name,
-            says,
-            share: own_share,
-            share_ci90,
-            others: others.iter().map(other).collect(),
-            heard: Heard {
-                time_s: with_test.first()?.record.time_s.clone(),
-                by_name: difference(motion.first()?, after.first()?),
-                left_by_motion: motion.into_iter().next()?,
-            },
-        })
-    }
+/// Of a name, or of that which leaves least.
+fn testimony(
+    question: &InQuestion<'_>,
+    train: &[Recording],
+    [with_train, with_test]: &[Vec<Witnessed>; 2],
+) -> Option<Testimony> {
+    let InQuestion {
+        answer,
+        without,
+        name,
+    } = question;
+    let channel = answer.channel;
+    let mut models = engine::each(without, channel, train, |_| true);
+    let own = models
+        .iter()
+        .position(|m| name.is_none_or(|n| m.name == n))?;
+    let own = models.remove(own);
+    let name = own.name;
+    // Those of the answer, then the nearest; one of a family, and none of the name's own.
+    models.sort_by_key(|m| !answer.alternatives.contains(&m.name));
+    let mut families: Vec<Family> = vec![name.entry().family];
+    models.retain(|m| {
+        let family = m.name.entry().family;
+        let new = !families.contains(&family) && family != Family::Interference;
+        families.push(family);
+        new
+    });
+    models.truncate(OTHERS);
+    let cutoff_hz = cutoff_hz(&with_train.first()?.record)?;
+    let (train, test) = (
+        View::of(with_train, cutoff_hz)?,
+        View::of(with_test, cutoff_hz)?,
+    );
+    let motion = train.left_of(&test, [&[], &[]])?;
+    let heard = |model: &Model| {
+        let added = |view: &View| view.added(channel, without, model);
+        train.left_of(&test, [&added(&train)?, &added(&test)?])
+    };
+    let after = heard(&own.model)?;
+    let h = test.interval_s;
+    let share = |after: &[Vec<f64>]| 1.0 - (rms(after) / rms(&motion)).powi(2);
+    let share_ci90 = interval::improvement(&motion, &after, h)
+        .map(|fall| 1.0 - (1.0 - fall / rms(&motion)).powi(2));
+    let others = models
+        .iter()
+        .filter_map(|m| Some((m.name, heard(&m.model)?)));
+    let others: Vec<(Effect, Vec<Vec<f64>>)> = others.collect();
+    let own_share = share(&after);
+    let better = |other: &Vec<Vec<f64>>| {
+        share(other) > own_share + HEARD && interval::improvement(&after, other, h)[0] > 0.0
+    };
+    let says = if others.iter().any(|o| better(&o.1)) {
+        Says::Against
+    } else if own_share > HEARD && share_ci90[0] > 0.0 {
+        Says::For
+    } else {
+        Says::Nothing
+    };
+    let other = |(name, after): &(Effect, Vec<Vec<f64>>)| Other {
+        name: *name,
+        share: share(after),
+    };
+    Some(Testimony {
+        channel,
+        name,
+        says,
+        share: own_share,
+        share_ci90,
+        others: others.iter().map(other).collect(),
+        heard: Heard {
+            time_s: with_test.first()?.record.time_s.clone(),
+            by_name: difference(motion.first()?, after.first()?),
+            left_by_motion: motion.into_iter().next()?,
+        },
+    })
 }
 
 /// Up to where a witness is read, Hz.
