@@ -158,14 +158,20 @@ fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
     let (ran, page) = arguments("examples/rig-watch.toml");
     let events = ran["watch"]["events"].as_array().unwrap();
     assert!(page.contains("What the watch saw"));
-    for event in events {
-        let (t_s, state) = (
-            event["t_s"].as_f64().unwrap(),
-            event["state"].as_str().unwrap(),
-        );
-        let line = format!("<li>{state} since {t_s:.2} s");
+    let since = |at: usize| {
+        let t_s = events[at]["t_s"].as_f64().unwrap();
+        format!("{} since {t_s:.2} s", events[at]["state"].as_str().unwrap())
+    };
+    // The last event has what had settled at the end of the test; its line says since when it has been so.
+    let end = events.len() - 1;
+    for at in 0..end {
+        let line = format!("<li>{}", since(at));
         assert!(page.contains(&line), "{line}");
     }
+    let only_late = |e: &Value| e["set"].as_array().is_some_and(|s| s.len() == 1);
+    let settled = events.iter().position(only_late).unwrap();
+    let line = format!("<li>at the end: {}", since(settled));
+    assert!(settled < end && page.contains(&line), "{line}");
     assert!(page.contains("delay_error of the actuator") && page.contains("; it is corrected for"));
     // The record behind the name is diagnosed, too, and the sentence says what came of it.
     let diagnosis = &ran["watch"]["diagnosis"];
