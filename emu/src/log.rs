@@ -45,6 +45,8 @@ pub enum InjectedFault {
     DeadForce,
     /// The load cell stands where it is.
     FrozenForce,
+    /// The load cell stands where it is, and the converter has its noise.
+    StandingForce,
     /// The load cell's wire breaks: the converter stands at its upper end.
     ForceAtRail,
     /// The load cell's polarity turns over.

@@ -1,5 +1,5 @@
-//! Ctrl-C while a board goes to its start position: it ends the approach, and the board is idle without permission. In a
-//! program of its own, since a signal is caught once for all.
+//! Ctrl-C while a board goes to its start position, that of a test or of a commissioning signal: it ends the approach, and the
+//! board is idle without permission. A signal is caught once for all: each of these tests runs in a program of its own.
 #![allow(missing_docs)]
 #![cfg(unix)]
 
@@ -9,12 +9,14 @@ use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::trace::Trace;
 use host_tests::loopback::Loopback;
+use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate, status};
+use outerloop_cli::board::{self, BoardBench, Connection, Operator, Timeouts, Trajectory};
 use outerloop_core::Mode;
 use plant::Rig;
 use std::path::Path;
 use std::process::Command;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 /// How far from the start the rig was left, and how long its way there takes, s.
@@ -24,8 +26,26 @@ const WAY_S: f64 = 10.0;
 /// Control steps after power-up at which somebody presses Ctrl-C: on that way.
 const PRESSED: u64 = 6000;
 
-#[test]
-fn ctrl_c_ends_the_approach_and_the_board_is_idle_without_permission() {
+/// Set in a program that runs one of these tests alone.
+const ALONE: &str = "OUTERLOOP_GIVEN_UP_ALONE";
+
+/// What was when Ctrl-C was pressed: whether it was, the board's mode and its PERMIT.
+type Pressed = (bool, Mode, bool);
+
+/// True in a program of its own for the test of this name; elsewhere it has passed in one.
+fn is_alone(name: &str) -> bool {
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let mut alone = Command::new(std::env::current_exe().unwrap());
+    let ended = alone.args(["--exact", name]).env(ALONE, "1").output();
+    let said = String::from_utf8(ended.unwrap().stdout).unwrap();
+    // A failure, and a name that no test has, end otherwise.
+    assert!(said.contains("test result: ok. 1 passed"), "{said}");
+    false
+}
+
+fn test() -> TestFile {
     let text = format!(
         "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
          [loop]\napproach_m_per_s = {}\n[plant.actuator]\nkind = 'delay'\ndelay_ms = 4\n[plant.specimen]\n\
@@ -33,43 +53,88 @@ fn ctrl_c_ends_the_approach_and_the_board_is_idle_without_permission() {
          [excitation]\npeak_response_mm = 20\nduration_s = 6\n",
         OFF_MM * 1e-3 / WAY_S
     );
-    let test = TestFile::parse(&text, "t.toml", Path::new(""), &[]).unwrap();
-    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
-    let ideal = experiment.ideal().unwrap();
+    TestFile::parse(&text, "t.toml", Path::new(""), &[]).unwrap()
+}
+
+/// A calibrated board that is off its start, and on its way there Ctrl-C is pressed.
+fn off_the_start(test: &TestFile) -> (Connection<Loopback>, Receiver<Pressed>) {
     let storeys = &test.config.structure.stiffness_n_per_m;
     let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap();
-    let mut board: Loopback = Loopback::standing_at(rig, [OFF_MM * 1e-3]);
-    let (pressed, was) = std::sync::mpsc::channel();
-    let presses = move |board: &mut Loopback| {
+    let mut loopback: Loopback = Loopback::standing_at(rig, [OFF_MM * 1e-3]);
+    let (pressed, was) = channel();
+    let presses = move |loopback: &mut Loopback| {
         let id = std::process::id().to_string();
         let kill = Command::new("kill").args(["-INT", &id]).status();
         pressed
             .send((
                 kill.unwrap().success(),
-                board.board.mode(),
-                board.board.hardware.board.permit,
+                loopback.board.mode(),
+                loopback.board.hardware.board.permit,
             ))
             .unwrap();
         // Another thread hears of it.
         std::thread::sleep(Duration::from_millis(300));
     };
-    board.mishaps.push_back((PRESSED, Box::new(presses)));
-    let [wired] = board.board.hardware.board.wired;
-    let mut connection = Connection::new(board, Timeouts::BOARD);
-    calibrate(&mut connection, wired).unwrap();
+    loopback.mishaps.push_back((PRESSED, Box::new(presses)));
+    let [wired] = loopback.board.hardware.board.wired;
+    let mut connection = Connection::new(loopback, Timeouts::BOARD);
+    board::calibrate(&mut connection, wired).unwrap();
+    (connection, was)
+}
+
+/// It was given up on its way, as `said`, and nothing moves any more.
+fn assert_given_up(
+    why: Failure,
+    said: &str,
+    mut connection: Connection<Loopback>,
+    was: &Receiver<Pressed>,
+) {
+    assert_eq!(why, Failure::test(said));
+    assert_eq!(was.try_recv(), Ok((true, Mode::Approaching, true)));
+    let now = board::status(&mut connection).unwrap();
+    assert_eq!((now.state, now.permit, now.trip), (Mode::Idle, false, None));
+}
+
+#[test]
+fn ctrl_c_ends_the_approach_and_the_board_is_idle_without_permission() {
+    if !is_alone("ctrl_c_ends_the_approach_and_the_board_is_idle_without_permission") {
+        return;
+    }
+    let test = test();
+    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let (connection, was) = off_the_start(&test);
 
     let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(connection, plan, Operator::not_asked());
     let method = test.config.compensation.kind;
     let run = experiment.run_on(&bench, method, &ideal, false, None::<Trace>);
-    let Err(Failure::Test(said)) = run else {
+    let Err(why) = run else {
         panic!("it goes on");
     };
-    assert!(
-        said.contains("the approach to the start was given up"),
-        "{said}"
-    );
-    assert_eq!(was.try_recv(), Ok((true, Mode::Approaching, true)));
-    let now = status(&mut bench.into_connection()).unwrap();
-    assert_eq!((now.state, now.permit, now.trip), (Mode::Idle, false, None));
+    let said = "the approach to the start was given up, and the board is idle";
+    assert_given_up(why, said, bench.into_connection(), &was);
+}
+
+#[test]
+fn ctrl_c_ends_the_approach_before_a_commissioning_signal_too() {
+    if !is_alone("ctrl_c_ends_the_approach_before_a_commissioning_signal_too") {
+        return;
+    }
+    let test = test();
+    let (mut connection, was) = off_the_start(&test);
+    // Its limits, which follow from it, let the rig stand where it was left.
+    let sine = Trajectory::Formula(CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Sine { frequency_hz: 0.5 },
+        amplitude_m: 0.01,
+        seconds: 4.0,
+    });
+    let nobody = Operator::not_asked();
+    let played = board::commission(&mut connection, &test, (&sine, 0), &nobody, &mut ());
+    let Err(why) = played else {
+        panic!("it goes on");
+    };
+    let said = "the approach to zero was given up, and the board is idle";
+    assert_given_up(why, said, connection, &was);
 }

@@ -101,9 +101,19 @@ impl Calibration {
         }
     }
 
-    /// The calibration of a board that nobody has calibrated: +-50 mm and +-10 kN. It cannot be armed with it.
-    pub const fn placeholder(codes: &CodeRange) -> Self {
+    /// +-50 mm and +-10 kN: as simulated and emulated rigs are wired.
+    pub const fn nominal(codes: &CodeRange) -> Self {
         Self::over(0.05, 1e4, codes)
+    }
+
+    /// What a board goes by that nobody has calibrated: +-50.3 mm and +-10.07 kN, which no transducer has. It cannot be armed with it.
+    pub const fn placeholder(codes: &CodeRange) -> Self {
+        Self::over(0.0503, 1.007e4, codes)
+    }
+
+    /// Somebody has made it: it is not the placeholder, wherever it comes from.
+    pub fn is_made(&self, codes: &CodeRange) -> bool {
+        *self != Self::placeholder(codes)
     }
 
     /// The calibration's number: the check sum of its bytes. Two calibrations with one number are the same.
@@ -252,7 +262,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const PLACEHOLDER: Calibration = Calibration::placeholder(&TWELVE_BITS);
+    const NOMINAL: Calibration = Calibration::nominal(&TWELVE_BITS);
     const TOP: u16 = TWELVE_BITS.command_top;
 
     #[test]
@@ -263,7 +273,7 @@ mod tests {
 
     #[test]
     fn the_ends_of_the_range_are_the_ends_of_the_codes() {
-        let line = PLACEHOLDER.displacement;
+        let line = NOMINAL.displacement;
         assert!((line.quantity(0) + 0.05).abs() < 1e-8);
         assert!((line.quantity(8190) - 0.05).abs() < 1e-8);
         assert!(line.quantity(4095).abs() < 1e-9);
@@ -284,20 +294,20 @@ mod tests {
 
     #[test]
     fn a_calibration_comes_back_from_its_bytes_and_has_a_number_of_its_own() {
-        let mut other = PLACEHOLDER;
+        let mut other = NOMINAL;
         other.force.zero_code += 1.0;
         other.command_feedback = false;
-        for c in [PLACEHOLDER, other] {
+        for c in [NOMINAL, other] {
             assert_eq!(Calibration::from_bytes(&c.to_bytes()), c);
         }
-        assert_ne!(PLACEHOLDER.number(), other.number());
+        assert_ne!(NOMINAL.number(), other.number());
         // For ever: boards have it in their flash, laboratories in their test files.
-        assert_eq!(PLACEHOLDER.number(), 2_878_218_281);
+        assert_eq!(NOMINAL.number(), 2_878_218_281);
     }
 
     #[test]
     fn a_calibration_that_means_nothing_is_refused() {
-        let good = PLACEHOLDER;
+        let good = NOMINAL;
         assert_eq!(good.check(&TWELVE_BITS), Ok(()));
         let refused = |c: Calibration| c.check(&TWELVE_BITS).map_err(|r| r.name);
         for bad in [0.0, f32::NAN, f32::INFINITY] {
@@ -314,18 +324,18 @@ mod tests {
 
     #[test]
     fn the_mean_of_many_codes_is_finer_than_a_code_unless_it_is_switched_off() {
-        let line = PLACEHOLDER.command;
+        let line = NOMINAL.command;
         for part in [0.1_f32, 0.25, 0.37, 0.5, 0.93] {
             let command_m = (100.0 + part) * line.per_code;
             let mut feedback = ErrorFeedback::new();
             let sum: u32 = (0..1000)
-                .map(|_| u32::from(feedback.code(&PLACEHOLDER, TOP, command_m).unwrap()))
+                .map(|_| u32::from(feedback.code(&NOMINAL, TOP, command_m).unwrap()))
                 .sum();
             let exact = command_m / line.per_code + line.zero_code;
             assert!((sum as f32 / 1000.0 - exact).abs() < 2e-3, "{part}");
             let plain = Calibration {
                 command_feedback: false,
-                ..PLACEHOLDER
+                ..NOMINAL
             };
             let mut codes = (0..1000).map(|_| feedback.code(&plain, TOP, command_m));
             codes.next();
@@ -336,18 +346,18 @@ mod tests {
 
     #[test]
     fn a_command_that_stands_keeps_its_code_whatever_is_owed() {
-        let line = PLACEHOLDER.command;
+        let line = NOMINAL.command;
         let of = |code: f32| (code - line.zero_code) * line.per_code;
         let mut feedback = ErrorFeedback::new();
         // Two in five of these are shown a code higher.
         let shown: [_; 8] =
-            core::array::from_fn(|_| feedback.code(&PLACEHOLDER, TOP, of(2100.4)).unwrap());
+            core::array::from_fn(|_| feedback.code(&NOMINAL, TOP, of(2100.4)).unwrap());
         let high = shown.iter().position(|&c| c == 2101).unwrap();
         let mut feedback = ErrorFeedback::new();
         for _ in 0..=high {
-            feedback.code(&PLACEHOLDER, TOP, of(2100.4));
+            feedback.code(&NOMINAL, TOP, of(2100.4));
         }
-        let mut code_at = |m| feedback.code_at_standstill(&PLACEHOLDER, TOP, m);
+        let mut code_at = |m| feedback.code_at_standstill(&NOMINAL, TOP, m);
         for _ in 0..8 {
             assert_eq!(code_at(of(2100.4)), Some(2101));
         }
@@ -358,12 +368,12 @@ mod tests {
     proptest! {
         #[test]
         fn a_command_in_range_is_at_most_one_code_away(command_m in -0.05_f32..0.05, before in proptest::collection::vec(-0.05_f32..0.05, 0..20)) {
-            let line = PLACEHOLDER.command;
+            let line = NOMINAL.command;
             let mut feedback = ErrorFeedback::new();
             for c in before {
-                feedback.code(&PLACEHOLDER, TOP, c);
+                feedback.code(&NOMINAL, TOP, c);
             }
-            let code = feedback.code(&PLACEHOLDER, TOP, command_m).unwrap();
+            let code = feedback.code(&NOMINAL, TOP, command_m).unwrap();
             let exact = command_m / line.per_code + line.zero_code;
             prop_assert!((f32::from(code) - exact).abs() <= 1.001);
         }
@@ -372,7 +382,7 @@ mod tests {
         fn what_is_outside_or_nan_gets_no_code(bits: u32) {
             let command_m = f32::from_bits(bits);
             let mut feedback = ErrorFeedback::new();
-            let code = feedback.code(&PLACEHOLDER, TOP, command_m);
+            let code = feedback.code(&NOMINAL, TOP, command_m);
             prop_assert_eq!(code.is_some(), command_m.abs() <= 0.05);
             prop_assert!(feedback.owed.abs() <= 0.5);
         }

@@ -164,7 +164,7 @@ mod tests {
     fn refused(change: impl FnOnce(&mut Limits)) -> Option<&'static str> {
         let mut config = limited();
         change(&mut config.limits);
-        let shown = CalibratedRange::by(&Calibration::placeholder(&TWELVE_BITS), &TWELVE_BITS);
+        let shown = CalibratedRange::by(&Calibration::nominal(&TWELVE_BITS), &TWELVE_BITS);
         shown.check(&config).err().map(|r| r.name)
     }
 
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(all.displacement_m, narrow.displacement_m);
         assert_eq!(all.force_n, weak.force_n);
         assert_eq!(all.frozen_m, wide.frozen_m);
-        let one = Calibration::placeholder(&TWELVE_BITS);
+        let one = Calibration::nominal(&TWELVE_BITS);
         assert_eq!(
             CalibratedRange::by_all([&one], &TWELVE_BITS),
             CalibratedRange::by(&one, &TWELVE_BITS)
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_zero_at_the_end_of_the_range_shows_nothing() {
-        let mut skewed = Calibration::placeholder(&TWELVE_BITS);
+        let mut skewed = Calibration::nominal(&TWELVE_BITS);
         skewed.force.zero_code = 8100.0;
         let shown = CalibratedRange::by(&skewed, &TWELVE_BITS);
         assert_eq!(

@@ -278,7 +278,7 @@ mod tests {
             Command::Identify,
             Command::Status,
             Command::Configure(largest_config()),
-            Command::Calibrate(2, Calibration::placeholder(&TWELVE_BITS)),
+            Command::Calibrate(2, Calibration::nominal(&TWELVE_BITS)),
             Command::Zero {
                 actuator: 2,
                 channel: Channel::Force,
@@ -328,8 +328,8 @@ mod tests {
                 max_dof: 3,
                 deadline_cycles: 4200,
                 codes: TWELVE_BITS,
-                calibration: Calibration::placeholder(&TWELVE_BITS),
-                others: [Calibration::placeholder(&TWELVE_BITS); 2]
+                calibration: Calibration::nominal(&TWELVE_BITS),
+                others: [Calibration::nominal(&TWELVE_BITS); 2]
                     .into_iter()
                     .collect(),
                 inputs: [Input::CommandReadBack(2); MAX_INPUTS]

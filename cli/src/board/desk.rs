@@ -59,8 +59,8 @@ pub const MODEL_CYCLES: [(&str, u32); 18] = [
 /// Saves, after which a sector of 128 KiB with slots of 1 KiB has been full once.
 const SAVES: u32 = 130;
 
-/// A board that says nothing of a reset for so many steps has not been reset.
-const RESET_STEPS: u32 = 8000;
+/// A board that says nothing of a reset for so many steps has not been reset: half a minute, for a person to find the button.
+const RESET_STEPS: u32 = 60_000;
 
 /// The calibration of a board of `codes` with four wires.
 pub fn calibration(codes: &CodeRange) -> Calibration {
@@ -351,6 +351,18 @@ pub fn saves(board: &mut BoardConnection) -> DeskRow {
     })();
     let what = format!("{SAVES} saves at 2000 Hz, a sector erased among them");
     DeskRow::of(what, "+-100 cycles, none late, none lost", found)
+}
+
+/// Takes the calibration of the desk back: a rig on this board is not armed with it.
+pub fn forget(board: &mut BoardConnection) -> DeskRow {
+    let found = (|| {
+        let codes = identify(board)?.codes;
+        calibrate(board, Calibration::placeholder(&codes))?;
+        let is_calibrated = status(board)?.calibrated;
+        Ok((format!("calibrated: {is_calibrated}"), !is_calibrated))
+    })();
+    let what = "the calibration of the desk is taken back".into();
+    DeskRow::of(what, "calibrated: false", found)
 }
 
 /// A running test in which `happens` comes; how the board is behind the reset.

@@ -98,7 +98,7 @@ impl EmulatedRig {
                 .collect(),
             rate_hz: config.timing.rate_hz,
             seed,
-            calibration: Calibration::placeholder(&image.codes()),
+            calibration: Calibration::nominal(&image.codes()),
             image,
             real_time: false,
             four_wires: false,

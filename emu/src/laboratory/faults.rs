@@ -40,6 +40,9 @@ impl Laboratory {
             Some(InjectedFault::FrozenForce) => {
                 shown.force[self.victim] = self.frozen.force[self.victim];
             }
+            Some(InjectedFault::StandingForce) => {
+                shown.force[self.victim] = self.frozen.force[self.victim] + noise;
+            }
             Some(InjectedFault::ForceAtRail) => shown.force[self.victim] = top,
             Some(InjectedFault::ReversedForce) => {
                 let force = &mut shown.force[self.victim];
@@ -121,6 +124,7 @@ impl Laboratory {
             | InjectedFault::StandingSensor
             | InjectedFault::DeadForce
             | InjectedFault::FrozenForce
+            | InjectedFault::StandingForce
             | InjectedFault::ForceAtRail
             | InjectedFault::ReversedForce
             | InjectedFault::Slip { .. }

@@ -325,7 +325,7 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     }
     let log = desk.log();
     let last_m = *log.position_m.last().expect("a position");
-    let line = link::Calibration::placeholder(&codes()).command;
+    let line = link::Calibration::nominal(&codes()).command;
     let held_m = f64::from(line.quantity(desk.course().held));
     assert!(
         last_m < held_m - 2e-4,

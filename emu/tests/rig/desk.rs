@@ -296,7 +296,7 @@ impl Desk {
 
     /// As it is wired.
     pub fn calibrate(&mut self) {
-        calibrate(&mut self.pc, Calibration::placeholder(&codes())).expect("a calibration");
+        calibrate(&mut self.pc, Calibration::nominal(&codes())).expect("a calibration");
     }
 
     /// Loads and starts a test.

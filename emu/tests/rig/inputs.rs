@@ -19,7 +19,7 @@ fn read_back_after(fault: InjectedFault) -> f32 {
     });
     desk.start();
     desk.until(Mode::Tripped);
-    let line = Calibration::placeholder(&crate::desk::codes()).command;
+    let line = Calibration::nominal(&crate::desk::codes()).command;
     let moving = |state| matches!(state, Some(Mode::Running));
     let running = desk.steps.iter().filter(|(_, s)| moving(s.mode()));
     running
@@ -32,9 +32,7 @@ fn a_dead_output_is_told_from_a_dead_valve_by_the_command_read_back() {
     let valve = read_back_after(InjectedFault::DeadValve);
     let output = read_back_after(InjectedFault::DeadOutput);
     println!("command read back off by {valve} m with a dead valve, {output} m with a dead output");
-    let code_m = Calibration::placeholder(&crate::desk::codes())
-        .command
-        .per_code;
+    let code_m = Calibration::nominal(&crate::desk::codes()).command.per_code;
     assert!(valve <= 2.0 * code_m, "{valve}");
     assert!(output > 1.5e-4 && output > 5.0 * code_m, "{output}");
 }

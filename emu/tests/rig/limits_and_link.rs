@@ -1,7 +1,7 @@
 //! What trips a test: sensors, limits, the link. Each leaves PERMIT low in a stated time, the command where it stood, the
 //! reason readable, and every step that was sent received.
 
-use crate::desk::{Desk, PERIOD_NS, codes, config, fine};
+use crate::desk::{Bench, Desk, PERIOD_NS, codes, config, fine};
 use emu::{Contact, InjectedFault, LoggedEvent, PlannedFault};
 use host_tests::loopback::command_of_version;
 use link::VERSION;
@@ -21,18 +21,28 @@ fn begun_with(
     change: impl Fn(&mut Config),
 ) -> Desk {
     let plan = fault.map(|fault| PlannedFault { after_steps, fault });
-    let mut desk = Desk::new(plan);
-    desk.load();
-    let mut limited = config();
-    change(&mut limited);
-    desk.order(Command::Configure(limited));
-    for _ in 0..300 {
-        desk.step();
-    }
+    let bench = Bench {
+        plan,
+        ..Bench::default()
+    };
+    let mut desk = configured(bench, change);
     desk.order(Command::Event(Event::Arm));
     while desk.step().mode() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
+    desk
+}
+
+/// A board with a test that differs from the usual one, idle for a while.
+fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
+    let mut desk = Desk::with(bench);
+    desk.load();
+    let mut config = config();
+    change(&mut config);
+    desk.order(Command::Configure(config));
+    for _ in 0..300 {
+        desk.step();
+    }
     desk
 }
 
@@ -167,6 +177,54 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     );
 }
 
+/// The codes that the output has shown while PERMIT was high, on the way to a mode. The rig has sunk below zero by some
+/// millimetres before it is armed: the approach raises them.
+fn shown_with_permit(fault: Option<InjectedFault>, to: Mode) -> Vec<u16> {
+    let bench = Bench {
+        plan: fault.map(|fault| PlannedFault {
+            after_steps: 0,
+            fault,
+        }),
+        sinks_m_per_s: 0.01,
+        ..Bench::default()
+    };
+    // 2 mm in the time that a contact has to close, 80 codes of 12 bits.
+    let mut desk = configured(bench, |c| c.timing.approach_m_per_s = 0.02);
+    desk.order(Command::Event(Event::Arm));
+    desk.until(to);
+    let log = desk.log();
+    let high = log.permitted.iter().position(|p| *p);
+    let high = high.expect("PERMIT was high");
+    let shown = log.pin.iter().zip(&log.permitted).skip(high);
+    let shown = shown.take_while(|(_, permitted)| **permitted);
+    shown.filter_map(|(code, _)| *code).collect()
+}
+
+#[test]
+fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
+    let raised = |shown: &[u16]| {
+        let most = shown.iter().max().expect("codes");
+        most - shown[0]
+    };
+    // It never closes: PERMIT is taken back 0.1 s later.
+    let open = InjectedFault::Chain(Contact::Broken);
+    let never = shown_with_permit(Some(open), Mode::Tripped);
+    assert!((195..=210).contains(&never.len()), "{}", never.len());
+    // It closes after 10 ms, and the last code before that is the twentieth.
+    let later = shown_with_permit(None, Mode::Armed);
+    let before = &later[..18];
+    println!(
+        "the command has gone up by {} codes behind an open contact, {} before it closes, {} to zero",
+        raised(&never),
+        raised(before),
+        raised(&later)
+    );
+    // Between two codes the output takes turns.
+    assert!(raised(&never) <= 2 * fine(), "{never:?}");
+    assert!(raised(before) <= 2 * fine(), "{before:?}");
+    assert!(raised(&later) > 50 * fine(), "it does not approach");
+}
+
 #[test]
 fn the_blue_button_holds_the_test() {
     let mut desk = begun(Some(InjectedFault::Button), |_| {});
@@ -210,7 +268,7 @@ fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended(
         .iter()
         .rposition(|p| *p)
         .expect("PERMIT was high");
-    let line = link::Calibration::placeholder(&codes()).command;
+    let line = link::Calibration::nominal(&codes()).command;
     let shown = log.pin[low - 100..low].iter().flatten();
     let sent_m: Vec<f64> = shown.map(|code| line.quantity(*code).into()).collect();
     let step_m: Vec<f64> = sent_m.windows(2).map(|w| (w[1] - w[0]).abs()).collect();

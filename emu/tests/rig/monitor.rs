@@ -74,11 +74,7 @@ fn run(rig: &str, shaken: &Shaking, fault: Option<PlannedFault>) -> Ran {
         ..Bench::default()
     });
     let mut connection = desk.connection();
-    calibrate(
-        &mut connection,
-        Calibration::placeholder(&crate::desk::codes()),
-    )
-    .unwrap();
+    calibrate(&mut connection, Calibration::nominal(&crate::desk::codes())).unwrap();
     let bench = BoardBench::new(connection, plan, Operator::not_asked());
     let method = experiment.test.config.compensation.kind;
     let run = experiment

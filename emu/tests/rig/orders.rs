@@ -32,7 +32,7 @@ fn a_calibration_is_shown_zeroed_and_wanted_before_it_is_saved() {
         obstacle(&mut desk, Command::Save),
         Some(Obstacle::NotCalibrated)
     );
-    desk.order(Command::Calibrate(0, Calibration::placeholder(&codes())));
+    desk.order(Command::Calibrate(0, Calibration::nominal(&codes())));
     for _ in 0..300 {
         desk.step();
     }
@@ -51,10 +51,7 @@ fn a_calibration_is_shown_zeroed_and_wanted_before_it_is_saved() {
     let line = identity.calibration.force;
     let reading = (code - line.zero_code) * line.per_code;
     assert!((reading - 500.0).abs() < 0.1, "{reading} N");
-    assert_eq!(
-        line.per_code,
-        Calibration::placeholder(&codes()).force.per_code
-    );
+    assert_eq!(line.per_code, Calibration::nominal(&codes()).force.per_code);
     // The emulator drops writes to the flash: the board reads back, and says so.
     let reply = desk.ask(Command::Save);
     assert!(

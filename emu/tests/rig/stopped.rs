@@ -98,7 +98,7 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     let speed_m_per_s = f64::from(hand.way_m) / step_s;
     let deceleration = test.config.timing.hold_deceleration_m_per_s2;
     let expected_m = speed_m_per_s.abs() * speed_m_per_s / (2.0 * deceleration);
-    let line = Calibration::placeholder(&codes()).command;
+    let line = Calibration::nominal(&codes()).command;
     let way_m = f64::from(line.quantity(stands) - hand.command_m);
     println!(
         "stopped after {kept} steps at {:.0} mm/s: {:.2} mm to a standstill, {:.2} at {deceleration} m/s^2",

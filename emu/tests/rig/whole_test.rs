@@ -139,7 +139,7 @@ fn spread(desk: &mut Desk, full: bool) -> (u32, u32) {
 /// A rig that stands to either side of zero is read where it stands, to half a code.
 #[test]
 fn a_converter_has_no_step_at_zero() {
-    let calibration = link::Calibration::placeholder(&crate::desk::codes());
+    let calibration = link::Calibration::nominal(&crate::desk::codes());
     for offset_mm in [-20.0, -0.1, 0.1, 20.0] {
         let rig = format!(
             "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n\

@@ -1,58 +1,33 @@
 //! A converter outside the chip that is not as it was when the board started.
 
+#[path = "refused.rs"]
+mod refused;
+
 use crate::desk::{Bench, Desk};
 use emu::{InjectedFault, PlannedFault};
 use link::Command;
-use link::reply::{Obstacle, Reply};
+use link::reply::Obstacle;
 use outerloop_core::{Event, Fault, Mode};
-
-/// A rig that has sunk by some millimetres, and a fault that is there from the first sample on. Gives the board with a test
-/// in it.
-fn loaded(fault: InjectedFault) -> Desk {
-    let mut desk = Desk::with(Bench {
-        plan: Some(PlannedFault {
-            after_steps: 0,
-            fault,
-        }),
-        sinks_m_per_s: 0.02,
-        ..Bench::default()
-    });
-    desk.load();
-    desk
-}
-
-/// Arming is refused for this reason, and nothing has moved but what sinks.
-fn refuses(fault: InjectedFault, reason: Fault) {
-    let mut desk = loaded(fault);
-    let reply = desk.ask(Command::Event(Event::Arm));
-    assert!(
-        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == Some(Obstacle::Fault(reason))),
-        "{fault:?}: {reply:?}"
-    );
-    for _ in 0..100 {
-        desk.step();
-    }
-    let at_m = desk.log().position_m;
-    let jump_m = at_m.windows(2).map(|w| (w[1] - w[0]).abs());
-    assert!(jump_m.fold(0.0, f64::max) < 2e-5, "{fault:?}");
-}
+use refused::{loaded, refuses};
 
 #[test]
 fn an_output_converter_that_has_lost_its_supply_for_a_moment_is_not_armed() {
-    refuses(InjectedFault::OutputDips, Fault::Output);
+    refuses(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
 }
 
 // proves: fault.stale_sample, obstacle.fault by StuckData
 #[test]
 fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
     for high in [false, true] {
-        refuses(InjectedFault::StuckData { high }, Fault::StaleSample);
+        let stale = Obstacle::Fault(Fault::StaleSample);
+        refuses(InjectedFault::StuckData { high }, stale);
     }
 }
 
 #[test]
 fn an_input_converter_that_has_lost_its_supply_gives_no_sample() {
-    refuses(InjectedFault::InputDips, Fault::StaleSample);
+    let stale = Obstacle::Fault(Fault::StaleSample);
+    refuses(InjectedFault::InputDips, stale);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use outerloop_cli::board::Image;
 const IMAGE: Image = Image::Three;
 
 mod actuators;
+mod converters;
 #[path = "../rig/desk.rs"]
 #[expect(dead_code, reason = "what only the scenarios with one actuator use")]
 mod desk;

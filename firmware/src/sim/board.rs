@@ -69,7 +69,7 @@ impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
     pub fn new(plant: P) -> Self {
         Self {
             plant,
-            wired: [Calibration::placeholder(&CODES); A],
+            wired: [Calibration::nominal(&CODES); A],
             code: [CODES.command_top / 2; A],
             shown: [CODES.command_top / 2; A],
             dead_output: None,

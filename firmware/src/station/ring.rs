@@ -153,7 +153,7 @@ mod tests {
     };
 
     fn wiring(number: u16) -> Wiring {
-        let mut calibration = Calibration::placeholder(&CODES);
+        let mut calibration = Calibration::nominal(&CODES);
         calibration.force.zero_code = f32::from(number);
         Wiring::new(calibration, &CODES)
     }

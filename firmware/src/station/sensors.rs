@@ -11,12 +11,16 @@ const TIMEOUT_STEPS: u8 = 4;
 /// A force within this share of what the declared stiffness makes of the motion is none.
 const NO_FORCE_SHARE: f64 = 0.02;
 
+/// A force that stays within this part of its converter's range to either side stands but for the converter's noise: two codes of
+/// 16 bits, the same code of 12. A load cell that lives has more noise than that, also where a specimen yields.
+const STANDS_PART: u16 = 32_000;
+
 /// What a test allows; the largest number where it is not looked at.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorLimits {
     /// Largest difference of the two displacements, m.
     disagree_m: f32,
-    /// Motion over which the force has to leave `no_force_n`, or its code, m.
+    /// Motion over which the force has to leave `no_force_n`, or where it stands, m.
     force_stands_m: f32,
     /// Force around zero that is none, N, of each actuator.
     no_force_n: [f32; MAX_ACTUATORS],
@@ -45,8 +49,8 @@ impl SensorLimits {
 pub struct SensorWatch<const A: usize> {
     /// Least and largest displacement since the force was last there, m.
     range_m: [[f32; 2]; A],
-    /// The last force, N.
-    last_n: [f32; A],
+    /// Where the force stands, a code.
+    stands_at: [u16; A],
     apart_steps: u8,
 }
 
@@ -55,12 +59,12 @@ impl<const A: usize> SensorWatch<A> {
     pub const fn new() -> Self {
         Self {
             range_m: [[f32::MAX, f32::MIN]; A],
-            last_n: [0.0; A],
+            stands_at: [0; A],
             apart_steps: 0,
         }
     }
 
-    /// Takes in a sample: the further inputs, displacements in codes and in m (with forces, N), and by how much a code of the
+    /// Takes in a sample: the further inputs, displacements and forces in codes, in m and in N, and by how much a code of the
     /// first displacement stands. `tests`: the loop integrates with the forces.
     #[inline]
     pub fn fault<H: Hardware<A>>(
@@ -87,26 +91,62 @@ impl<const A: usize> SensorWatch<A> {
         if self.apart_steps > TIMEOUT_STEPS {
             return Some(Fault::Disagree);
         }
-        self.force_stands(limits, read, tests)
+        self.force_stands(limits, (codes, H::CODES.sensor_top), read, tests)
             .then_some(Fault::ForceStands)
     }
 
-    /// Around zero, or at one code: a reading that lives has noise, also where a specimen yields.
-    fn force_stands(&mut self, limits: &SensorLimits, read: &[[f32; 2]; A], tests: bool) -> bool {
+    /// Around zero, or where it is.
+    fn force_stands(
+        &mut self,
+        limits: &SensorLimits,
+        (codes, top): (&[[u16; 2]; A], u16),
+        read: &[[f32; 2]; A],
+        tests: bool,
+    ) -> bool {
         let mut stands = false;
-        let seen = self.range_m.iter_mut().zip(&mut self.last_n);
-        let each = seen.zip(read).zip(&limits.no_force_n);
-        for (((range_m, last_n), &[m, n]), &none_n) in each {
+        let seen = self.range_m.iter_mut().zip(&mut self.stands_at);
+        let each = seen.zip(read).zip(codes).zip(&limits.no_force_n);
+        for ((((range_m, at), &[m, n]), &[_, code]), &none_n) in each {
             let [least, most] = range_m;
-            let is_the_same = n.to_bits() == last_n.to_bits();
-            *last_n = n;
-            if tests && (n.abs() <= none_n || is_the_same) {
+            let is_there = code.abs_diff(*at) <= top / STANDS_PART;
+            if tests && (n.abs() <= none_n || is_there) {
                 (*least, *most) = (least.min(m), most.max(m));
                 stands |= *most - *least > limits.force_stands_m;
             } else {
                 (*least, *most) = (f32::MAX, f32::MIN);
             }
+            if !is_there {
+                *at = code;
+            }
         }
         stands
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_that_moves_by_its_converters_noise_alone_stands_and_one_that_lives_does_not() {
+        let limits = SensorLimits {
+            disagree_m: f32::MAX,
+            force_stands_m: 2e-3,
+            no_force_n: [0.0; MAX_ACTUATORS],
+        };
+        for (top, off, expected) in [
+            (65_535, 1, true),
+            (65_535, 2, false),
+            (4095, 0, true),
+            (4095, 1, false),
+        ] {
+            let mut watch = SensorWatch::<1>::new();
+            let stands = (0..30_u16).any(|step| {
+                let code = top / 4 * 3 + off * (2 * (step % 2));
+                let read = [[f32::from(step) * 1e-4, 5e3]];
+                watch.force_stands(&limits, (&[[0, code]], top), &read, true)
+            });
+            assert_eq!(stands, expected, "{off} of {top} codes to either side");
+        }
     }
 }

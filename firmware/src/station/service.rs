@@ -241,7 +241,8 @@ impl Service {
             (Pending::Reload(since), Returned::Motion(_)) => self.done(since, state),
             (Pending::Calibrate(actuator, calibration, zeroed), _) => {
                 if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
-                    *place = (calibration, true);
+                    // The placeholder takes a calibration back.
+                    *place = (calibration, calibration.is_made(&self.board.codes));
                 }
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),

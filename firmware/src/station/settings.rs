@@ -106,8 +106,8 @@ impl Wiring {
     /// calibrated: a test on the desk may have left that.
     pub fn of(&self, codes: &CodeRange) -> Option<Calibration> {
         let fits = self.tops == [codes.sensor_top, codes.command_top];
-        let made = self.calibration != Calibration::placeholder(codes);
-        (fits && made && self.calibration.check(codes).is_ok()).then_some(self.calibration)
+        let means = self.calibration.is_made(codes) && self.calibration.check(codes).is_ok();
+        (fits && means).then_some(self.calibration)
     }
 }
 

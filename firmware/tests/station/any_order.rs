@@ -41,7 +41,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Identify),
         1 => Just(Command::Status),
         1 => Just(Command::Configure(config())),
-        1 => Just(Command::Calibrate(0, Calibration::placeholder(&CODES))),
+        1 => Just(Command::Calibrate(0, Calibration::nominal(&CODES))),
         1 => Just(Command::Zero { actuator: 0, channel: Channel::Force, value: 0.0 }),
         1 => Just(Command::Save),
         1 => Just(Command::Signal(None)),
@@ -83,7 +83,7 @@ proptest! {
         }
         calm(&mut b);
         b.hardware.board.plant.position_m = 0.003;
-        let calibrated = b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES)));
+        let calibrated = b.ask(Command::Calibrate(0, Calibration::nominal(&CODES)));
         prop_assert!(matches!(calibrated, Reply::Done { .. }), "{:?}", calibrated);
         b.ready(config(), &pulse());
         let started = b.event(Event::Start);

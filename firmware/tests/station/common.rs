@@ -55,7 +55,7 @@ pub fn fresh() -> Bench {
 pub fn started(found: Board) -> Bench {
     let hardware = sim::Faulty::new(sim::SimBoard::new(Spring { position_m: 0.003 }));
     Bench {
-        board: sim::Bench::started(hardware, found, Calibration::placeholder(&CODES)),
+        board: sim::Bench::started(hardware, found, Calibration::nominal(&CODES)),
         log: Vec::new(),
         request: 0,
     }
@@ -64,7 +64,7 @@ pub fn started(found: Board) -> Bench {
 /// Calibrated as it is wired.
 pub fn bench() -> Bench {
     let mut bench = fresh();
-    let calibrated = bench.ask(Command::Calibrate(0, Calibration::placeholder(&CODES)));
+    let calibrated = bench.ask(Command::Calibrate(0, Calibration::nominal(&CODES)));
     assert!(matches!(calibrated, Reply::Done { .. }), "{calibrated:?}");
     bench
 }

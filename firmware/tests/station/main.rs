@@ -66,7 +66,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
     let config = config();
     let motion = GroundMotion::new(&points, 0.01, config.model_step_s()).unwrap();
     let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
-    let calibration = Calibration::placeholder(&CODES);
+    let calibration = Calibration::nominal(&CODES);
     let mut moved = 0.0_f32;
     for report in b.log.iter().filter(|r| r.tick >= configured) {
         for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
@@ -115,7 +115,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     done(&b.event(Event::Start));
     for command in [
         Command::Configure(config()),
-        Command::Calibrate(0, Calibration::placeholder(&CODES)),
+        Command::Calibrate(0, Calibration::nominal(&CODES)),
         Command::Save,
         Command::Signal(None),
         Command::Motion {
@@ -296,7 +296,7 @@ fn zeroing_moves_the_zero_and_not_the_scale() {
     assert!((reading - 0.001).abs() < 1e-7);
     assert_eq!(
         line.per_code,
-        Calibration::placeholder(&CODES).displacement.per_code
+        Calibration::nominal(&CODES).displacement.per_code
     );
 }
 
@@ -430,8 +430,15 @@ fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
     ] {
         assert_eq!(obstacle(b.ask(command)), Some(Obstacle::NotCalibrated));
     }
-    done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
-    assert!(status(&mut b).calibrated);
+    // What the board went by takes a calibration back, wherever it comes from.
+    for (calibration, made) in [
+        (Calibration::nominal(&CODES), true),
+        (Calibration::placeholder(&CODES), false),
+        (Calibration::nominal(&CODES), true),
+    ] {
+        done(&b.ask(Command::Calibrate(0, calibration)));
+        assert_eq!(status(&mut b).calibrated, made);
+    }
     done(&b.event(Event::Arm));
 }
 
@@ -443,7 +450,7 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
         obstacle(b.ask(Command::Save)),
         Some(Obstacle::NotCalibrated)
     );
-    done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
+    done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
     done(&b.ask(Command::Save));
     assert_eq!(b.saved, [None, Some(firmware::station::CALIBRATION_BYTES)]);
     done(&b.ask(Command::Configure(config())));
@@ -502,7 +509,7 @@ fn what_the_start_has_found_wrong_stands_against_arming() {
         found.crystal_ok = crystal_ok;
         found.converters_ok = converters_ok;
         let mut b = started(found);
-        done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
+        done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
         done(&b.ask(Command::Configure(config())));
         b.upload(&pulse(), 0.01);
         let reply = b.event(Event::Arm);

@@ -52,7 +52,7 @@ fn again(
 ) -> Vec<(f32, f32)> {
     let mut outer = OuterLoop::<1>::new(Design::new(config).unwrap());
     outer.set_pace(Some(pace));
-    let calibration = Calibration::placeholder(&CODES);
+    let calibration = Calibration::nominal(&CODES);
     let mut answers = Vec::new();
     for report in b.log.iter().filter(|r| r.tick >= since) {
         for (_, told) in told.iter().filter(|(tick, _)| *tick == report.tick) {

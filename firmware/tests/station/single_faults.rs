@@ -52,9 +52,20 @@ fn two_displacements_that_disagree_stand_against_arming_and_trip() {
     let mut limited = config();
     limited.limits.disagree_m = Some(1e-3);
     let off = |b: &mut Bench| b.hardware.broken.second_displacement_off = 200;
-    let mut b = loaded(limited, off);
+    let mut b = loaded(limited.clone(), off);
     let disagree = Some(Obstacle::Fault(Fault::Disagree));
     assert_eq!(obstacle(b.event(Event::Arm)), disagree);
+    let mut b = bench();
+    b.ready(limited, &pulse());
+    done(&b.event(Event::Start));
+    off(&mut b);
+    let steps = (0..100).position(|_| {
+        b.step();
+        !b.permit()
+    });
+    assert!(steps.is_some_and(|s| s < 10), "{steps:?}");
+    b.step();
+    assert_eq!(b.fault(), Some(Fault::Disagree));
     let mut b = loaded(config(), off);
     done(&b.event(Event::Arm));
 }
@@ -76,7 +87,7 @@ fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
         let mut most_m = 0.0_f32;
         for _ in 0..1500 {
             b.step();
-            let line = Calibration::placeholder(&CODES).displacement;
+            let line = Calibration::nominal(&CODES).displacement;
             let at_m = line.quantity(b.log.last().unwrap().step.displacement);
             most_m = most_m.max(at_m.abs());
             if b.mode() == Mode::Tripped {

@@ -128,7 +128,7 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
     let said = status(&mut b).expect("it is watched");
     assert!(said.blocks > 900, "{said:?}");
 
-    let calibration = Calibration::placeholder(&CODES);
+    let calibration = Calibration::nominal(&CODES);
     let points = pulse();
     let ground = GroundMotion::new(&points, 0.01, config().model_step_s()).unwrap();
     let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());

@@ -158,8 +158,9 @@ impl Desk {
         calibrate(&mut board, desk::calibration(&own.codes))?;
         let (board, tested) = desk::each_method(board, methods);
         rows.extend(tested);
-        let (board, whole) = desk::whole_test(board, self.duration);
+        let (mut board, whole) = desk::whole_test(board, self.duration);
         rows.push(whole);
+        rows.push(desk::forget(&mut board));
         drop(board);
         rows.extend(self.mishaps()?);
         rows.push(DeskRow::not_done(

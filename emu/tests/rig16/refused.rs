@@ -1,0 +1,41 @@
+//! A converter outside the chip that is not as it was when the board started stands against arming.
+
+use crate::desk::{Bench, Desk, STIFFNESS_N_PER_M};
+use emu::{InjectedFault, PlannedFault};
+use link::Command;
+use link::reply::{Obstacle, Reply};
+use outerloop_core::Event;
+
+/// How fast the force on a rig that sinks grows, N/s: its limit is far away when it has sunk by some millimetres.
+const SINKS_N_PER_S: f64 = 3160.0;
+
+/// A rig that has sunk by some millimetres, and a fault that is there from the first sample on. Gives the board with a test
+/// in it.
+pub fn loaded(fault: InjectedFault) -> Desk {
+    let mut desk = Desk::with(Bench {
+        plan: Some(PlannedFault {
+            after_steps: 0,
+            fault,
+        }),
+        sinks_m_per_s: SINKS_N_PER_S / STIFFNESS_N_PER_M,
+        ..Bench::default()
+    });
+    desk.load();
+    desk
+}
+
+/// Arming is refused for this reason, and nothing has moved but what sinks.
+pub fn refuses(fault: InjectedFault, reason: Obstacle) {
+    let mut desk = loaded(fault);
+    let reply = desk.ask(Command::Event(Event::Arm));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == Some(reason)),
+        "{fault:?}: {reply:?}"
+    );
+    for _ in 0..100 {
+        desk.step();
+    }
+    let at_m = desk.log().position_m;
+    let jump_m = at_m.windows(2).map(|w| (w[1] - w[0]).abs());
+    assert!(jump_m.fold(0.0, f64::max) < 2e-5, "{fault:?}");
+}

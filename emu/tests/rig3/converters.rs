@@ -1,0 +1,22 @@
+//! A converter of three actuators that is not as it was when the board started.
+
+#[path = "../rig16/refused.rs"]
+mod refused;
+
+use emu::InjectedFault;
+use link::reply::Obstacle;
+use outerloop_core::Fault;
+use refused::refuses;
+
+#[test]
+fn an_output_converter_that_has_lost_its_supply_for_a_moment_is_not_armed() {
+    refuses(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
+}
+
+#[test]
+fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
+    for high in [false, true] {
+        let stale = Obstacle::Fault(Fault::StaleSample);
+        refuses(InjectedFault::StuckData { high }, stale);
+    }
+}
