@@ -59,7 +59,19 @@ fn looks_at_its_cost(status: &Status, run: &JudgedRun) {
         status.stack_bytes
     );
     assert!(share(own.mean_cycles) < MEAN_SHARE && share(own.worst_cycles) < 100.0);
-    assert_eq!(own.state.name(), run.summary.watch.as_ref().unwrap().state);
+    let told = run.summary.watch.as_ref().unwrap();
+    assert_eq!(own.state.name(), told.state);
+    // The last event is the end of the test, and the last change is before it.
+    let changed_s = told.events.iter().rev().nth(1).map_or(0.0, |e| e.t_s);
+    let since_s = f64::from(own.since_step) / 2000.0;
+    assert!((since_s - changed_s).abs() < 0.01, "{since_s} {changed_s}");
+    let end = told.events.last().map_or(&[][..], |e| &e.set);
+    assert_eq!(own.named.len(), end.len(), "{own:?}");
+    for ((actuator, own), told) in own.named.iter().zip(end) {
+        let cause = (own.cause.name(), own.cause.side().name());
+        assert_eq!((*actuator, cause), (1, (told.name, told.side)));
+        assert_eq!(f64::from(own.value), told.value);
+    }
 }
 
 fn watched(run: &JudgedRun) -> &WatchReport {

@@ -3,7 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::DecoderCounts;
 use heapless::{String, Vec};
-use outerloop_core::watch::{Set, State};
+use outerloop_core::watch::{Finding, State};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
@@ -48,13 +48,18 @@ pub struct Status {
     pub last_crash: Option<CrashReport>,
 }
 
-/// What the rig watch says. The values with their intervals are worked out on the PC, with the same bits.
+/// Causes that a status has room for: five of each actuator.
+pub const MAX_NAMED: usize = 5 * MAX_ACTUATORS;
+
+/// What the rig watch says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WatchStatus {
     /// Of the worst actuator.
     pub state: State,
-    /// What is named of each actuator.
-    pub named: Vec<Set, MAX_ACTUATORS>,
+    /// Since which control step of the running test state and sets have been so, from 0.
+    pub since_step: u32,
+    /// The actuator, from 1, and a cause of its set with its value.
+    pub named: Vec<(u8, Finding), MAX_NAMED>,
     /// Blocks of steps judged since the test is in force.
     pub blocks: u32,
     /// Cycles of the processor, interrupts in between included, that judging a block took at most.

@@ -16,8 +16,8 @@ use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::config::{ActuatorTimes, Filter, Secant};
 use outerloop_core::watch::{
-    Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Instructions, PARTS, Set,
-    State,
+    Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Finding, Instructions,
+    PARTS, State,
 };
 use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Trip};
 use std::collections::BTreeSet;
@@ -320,11 +320,15 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
     three.other_codes = [[1, 2], [300, 400]].into_iter().collect();
     all.push(("status of three actuators".to_owned(), Reply::Status(three)));
     let mut watched = status(None, StartCause::Power, None);
-    let mut named = Set::EMPTY;
-    named.add(Cause::ActuatorLate);
+    let late = Finding {
+        cause: Cause::ActuatorLate,
+        value: 12.5,
+        sd: 0.5,
+    };
     watched.watch = Some(WatchStatus {
         state: State::Named,
-        named: [named, Set::EMPTY].into_iter().collect(),
+        since_step: 18_752,
+        named: core::iter::once((2, late)).collect(),
         blocks: 5000,
         worst_cycles: 30_000,
         mean_cycles: 9000,

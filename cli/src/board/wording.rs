@@ -1,8 +1,9 @@
 //! What a board says, in words.
 
+use experiment::numbers::three;
 use link::reply::Identity;
 use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
-use outerloop_core::watch::Cause;
+use outerloop_core::watch::Finding;
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
@@ -82,7 +83,7 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
         ));
     }
     if let Some(watch) = &status.watch {
-        lines.push(describe_watch(watch, us, several));
+        lines.push(describe_watch(identity, status, watch));
     }
     if !status.crystal_ok {
         lines.push("the crystal has the wrong frequency: the board refuses to arm".into());
@@ -120,25 +121,38 @@ fn describe_readings(identity: &Identity, status: &Status) -> Vec<String> {
     readings.collect()
 }
 
-/// What the rig watch says.
-fn describe_watch(watch: &WatchStatus, us: impl Fn(u32) -> f64, several: bool) -> String {
-    let sets = (1..).zip(&watch.named).map(|(actuator, set)| {
-        let of = if several {
-            format!(" of actuator {actuator}")
-        } else {
-            String::new()
+/// Half of a 90 % interval, in standard deviations.
+const NINETY: f32 = 1.645;
+
+/// What the rig watch says, of which values, and since when.
+fn describe_watch(identity: &Identity, status: &Status, watch: &WatchStatus) -> String {
+    let clock_hz = f64::from(identity.clock_hz);
+    let us = |cycles: u32| f64::from(cycles) / clock_hz * 1e6;
+    let since_s = f64::from(watch.since_step) * f64::from(status.timing.period_cycles) / clock_hz;
+    let said = |(actuator, found): &(u8, Finding)| {
+        let (cause, half) = (found.cause, NINETY * found.sd);
+        let of = match identity.actuators() {
+            1 => String::new(),
+            _ => format!(" of actuator {actuator}"),
         };
-        let cause = move |c: Cause| format!("{} ({}{of})", c.name(), c.side().name());
-        set.causes().map(cause).collect::<Vec<_>>()
-    });
-    let names: Vec<String> = sets.flatten().collect();
+        format!(
+            "{} ({}{of}) {} {}, {} to {}",
+            cause.name(),
+            cause.side().name(),
+            three(found.value.into()),
+            cause.unit(),
+            three((found.value - half).into()),
+            three((found.value + half).into())
+        )
+    };
+    let names: Vec<String> = watch.named.iter().map(said).collect();
     let said = match &names[..] {
         [] => String::new(),
         [one] => format!(": {one}"),
-        several => format!(": one of {}", several.join(", ")),
+        several => format!(": one of {}", several.join("; ")),
     };
     format!(
-        "the rig watch says {}{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
+        "the rig watch says {} since {since_s:.2} s of the test{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
         watch.state.name(),
         watch.blocks,
         us(watch.worst_cycles),

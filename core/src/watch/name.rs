@@ -29,6 +29,7 @@ macro_rules! causes {
     ($($(#[$doc:meta])* $cause:ident = $name:literal $side:ident $unit:literal $per_unit:literal,)*) => {
         /// A cause with its side. Its number is its bit in a [`Set`] and never changes.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[repr(u8)]
         pub enum Cause { $($(#[$doc])* $cause,)* }
 

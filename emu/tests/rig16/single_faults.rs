@@ -269,6 +269,11 @@ fn the_everyday_ones_move_nothing_beyond_the_plan() {
     assert_eq!(wrong, [""; 0]);
 }
 
+#[test]
+fn a_load_cell_that_stands_in_its_converters_noise_moves_nothing_beyond_the_plan() {
+    assert_eq!(each(USUAL, &[StandingForce], &PHASES[1..2]), [""; 0]);
+}
+
 /// What the delay of the table hides: until PERMIT falls an actuator that answers in the next period goes on at its valve's speed.
 #[test]
 fn a_wrong_output_moves_an_actuator_that_answers_at_once_2_mm_with_a_valve_of_1_m_per_s() {

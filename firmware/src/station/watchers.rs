@@ -11,7 +11,7 @@ use crate::step_time::StepTime;
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
-use link::status::WatchStatus;
+use link::status::{MAX_NAMED, WatchStatus};
 use outerloop_core::watch::{
     AxisOrders, Block, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
@@ -98,6 +98,10 @@ pub struct Watchers<'a> {
     taps: Taps<MAX_ACTUATORS>,
     corrects: bool,
     state: State,
+    /// Control steps in a block.
+    steps: u16,
+    /// Since which control step of the running test state and sets have been so.
+    since_step: u32,
     /// What was asked of the loop last.
     asked: Orders<MAX_ACTUATORS>,
     time: StepTime,
@@ -113,6 +117,8 @@ impl<'a> Watchers<'a> {
             taps: Taps::of(1),
             corrects: false,
             state: State::Sound,
+            steps: 1,
+            since_step: 0,
             asked: Orders::NONE,
             time: StepTime::new(u32::MAX),
             spent: 0,
@@ -145,6 +151,7 @@ impl<'a> Watchers<'a> {
     pub fn tell(&mut self, told: &Instructions, steps: u16) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
         self.taps = Taps::of(steps);
+        self.steps = steps;
         self.corrects |= told.corrects();
         // There is room for every actuator of a board.
         let _ = self.own.watches.push(watch);
@@ -161,6 +168,7 @@ impl<'a> Watchers<'a> {
             if shown.number == 0 {
                 self.own.watches.iter_mut().for_each(Watch::rest);
                 self.asked = Orders::NONE;
+                self.since_step = 0;
             }
             let seen = shown.of.iter().take(actuators);
             let full = self.taps.add(shown.number, seen);
@@ -185,6 +193,11 @@ impl<'a> Watchers<'a> {
         let verdict = judge(self.own.watches.iter_mut(), blocks, &mut orders.axes);
         (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
         self.state = verdict.state;
+        if verdict.changed {
+            // The step that has filled the block.
+            let next = number.wrapping_add(1).wrapping_mul(self.steps.into());
+            self.since_step = next.wrapping_sub(1);
+        }
         let others = core::mem::replace(&mut self.asked, orders) != orders;
         let orders = others.then_some(orders);
         // Where there is no room the loop goes on without an answer.
@@ -209,10 +222,13 @@ impl<'a> Watchers<'a> {
             return None;
         }
         let time = &self.time;
+        let named = self.findings();
+        let named = named.map(|(actuator, found)| (actuator as u8, *found));
         let mean = time.total_ticks().checked_div(u64::from(time.steps()));
         Some(WatchStatus {
             state: self.state,
-            named: self.own.watches.iter().map(Watch::set).collect(),
+            since_step: self.since_step,
+            named: named.take(MAX_NAMED).collect(),
             blocks: time.steps(),
             worst_cycles: time.worst_ticks(),
             mean_cycles: mean.and_then(|m| u32::try_from(m).ok()).unwrap_or(0),
