@@ -67,9 +67,9 @@ fn looks_at_its_cost(status: &Status, run: &JudgedRun) {
     assert!((since_s - changed_s).abs() < 0.01, "{since_s} {changed_s}");
     let end = told.events.last().map_or(&[][..], |e| &e.set);
     assert_eq!(own.named.len(), end.len(), "{own:?}");
-    for ((actuator, own), told) in own.named.iter().zip(end) {
+    for (own, told) in own.named.iter().zip(end) {
         let cause = (own.cause.name(), own.cause.side().name());
-        assert_eq!((*actuator, cause), (1, (told.name, told.side)));
+        assert_eq!((own.actuator, cause), (1, (told.name, told.side)));
         assert_eq!(f64::from(own.value), told.value);
     }
 }

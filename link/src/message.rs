@@ -127,10 +127,12 @@ mod tests {
     use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
     use crate::reply::{Identity, Obstacle, cut};
-    use crate::status::{CrashCause, CrashReport, MAX_NAMED, StartCause, Status, Timing, WatchStatus};
+    use crate::status::{
+        CrashCause, CrashReport, MAX_NAMED, NamedCause, StartCause, Status, Timing, WatchStatus,
+    };
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
-    use outerloop_core::watch::{Cause, Finding, State};
+    use outerloop_core::watch::{Cause, State};
     use outerloop_core::{
         Config, Event, Fault, Method, Mode, Pace, Trip,
         config::{ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig},
@@ -314,7 +316,8 @@ mod tests {
     #[test]
     fn every_reply_comes_back_as_it_was() {
         let long = "ä".repeat(200);
-        let found = Finding {
+        let found = NamedCause {
+            actuator: 3,
             cause: Cause::ForceHum,
             value: f32::MAX,
             sd: f32::MAX,
@@ -367,7 +370,7 @@ mod tests {
                 watch: Some(WatchStatus {
                     state: State::Trip,
                     since_step: u32::MAX,
-                    named: [(3, found); MAX_NAMED].into_iter().collect(),
+                    named: [found; MAX_NAMED].into_iter().collect(),
                     blocks: u32::MAX,
                     worst_cycles: u32::MAX,
                     mean_cycles: u32::MAX,

@@ -3,7 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::DecoderCounts;
 use heapless::{String, Vec};
-use outerloop_core::watch::{Finding, State};
+use outerloop_core::watch::{Cause, State};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +51,19 @@ pub struct Status {
 /// Causes that a status has room for: five of each actuator.
 pub const MAX_NAMED: usize = 5 * MAX_ACTUATORS;
 
+/// A cause of a set, with its value.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NamedCause {
+    /// Of which actuator, from 1.
+    pub actuator: u8,
+    /// What.
+    pub cause: Cause,
+    /// In the unit of the cause.
+    pub value: f32,
+    /// Its standard deviation.
+    pub sd: f32,
+}
+
 /// What the rig watch says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WatchStatus {
@@ -58,8 +71,8 @@ pub struct WatchStatus {
     pub state: State,
     /// Since which control step of the running test state and sets have been so, from 0.
     pub since_step: u32,
-    /// The actuator, from 1, and a cause of its set with its value.
-    pub named: Vec<(u8, Finding), MAX_NAMED>,
+    /// What is named of each actuator.
+    pub named: Vec<NamedCause, MAX_NAMED>,
     /// Blocks of steps judged since the test is in force.
     pub blocks: u32,
     /// Cycles of the processor, interrupts in between included, that judging a block took at most.

@@ -11,13 +11,12 @@ use link::command::{Channel, CommissioningSignal, SignalShape};
 use link::frame::{Decoder, DecoderCounts, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{CrashCause, CrashReport, StartCause, Status, Timing, WatchStatus};
+use link::status::{CrashCause, CrashReport, NamedCause, StartCause, Status, Timing, WatchStatus};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::config::{ActuatorTimes, Filter, Secant};
 use outerloop_core::watch::{
-    Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Finding, Instructions,
-    PARTS, State,
+    Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Instructions, PARTS, State,
 };
 use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Trip};
 use std::collections::BTreeSet;
@@ -320,7 +319,8 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
     three.other_codes = [[1, 2], [300, 400]].into_iter().collect();
     all.push(("status of three actuators".to_owned(), Reply::Status(three)));
     let mut watched = status(None, StartCause::Power, None);
-    let late = Finding {
+    let late = NamedCause {
+        actuator: 2,
         cause: Cause::ActuatorLate,
         value: 12.5,
         sd: 0.5,
@@ -328,7 +328,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
     watched.watch = Some(WatchStatus {
         state: State::Named,
         since_step: 18_752,
-        named: core::iter::once((2, late)).collect(),
+        named: core::iter::once(late).collect(),
         blocks: 5000,
         worst_cycles: 30_000,
         mean_cycles: 9000,

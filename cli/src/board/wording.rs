@@ -2,8 +2,7 @@
 
 use experiment::numbers::three;
 use link::reply::Identity;
-use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
-use outerloop_core::watch::Finding;
+use link::status::{CrashCause, CrashReport, NamedCause, StartCause, Status, WatchStatus};
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
@@ -129,11 +128,11 @@ fn describe_watch(identity: &Identity, status: &Status, watch: &WatchStatus) -> 
     let clock_hz = f64::from(identity.clock_hz);
     let us = |cycles: u32| f64::from(cycles) / clock_hz * 1e6;
     let since_s = f64::from(watch.since_step) * f64::from(status.timing.period_cycles) / clock_hz;
-    let said = |(actuator, found): &(u8, Finding)| {
+    let said = |found: &NamedCause| {
         let (cause, half) = (found.cause, NINETY * found.sd);
         let of = match identity.actuators() {
             1 => String::new(),
-            _ => format!(" of actuator {actuator}"),
+            _ => format!(" of actuator {}", found.actuator),
         };
         format!(
             "{} ({}{of}) {} {}, {} to {}",

@@ -32,7 +32,6 @@ impl State {
 
 /// A cause with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// What.
     pub cause: Cause,

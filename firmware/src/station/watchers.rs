@@ -11,7 +11,7 @@ use crate::step_time::StepTime;
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
-use link::status::{MAX_NAMED, WatchStatus};
+use link::status::{MAX_NAMED, NamedCause, WatchStatus};
 use outerloop_core::watch::{
     AxisOrders, Block, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
@@ -223,7 +223,12 @@ impl<'a> Watchers<'a> {
         }
         let time = &self.time;
         let named = self.findings();
-        let named = named.map(|(actuator, found)| (actuator as u8, *found));
+        let named = named.map(|(actuator, found)| NamedCause {
+            actuator: actuator as u8,
+            cause: found.cause,
+            value: found.value,
+            sd: found.sd,
+        });
         let mean = time.total_ticks().checked_div(u64::from(time.steps()));
         Some(WatchStatus {
             state: self.state,
