@@ -177,6 +177,16 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     );
 }
 
+#[test]
+fn a_test_that_the_board_integrates_is_not_armed_without_a_limit_of_its_energy_error() {
+    let mut desk = configured(Bench::default(), |c| c.limits.energy_trip = None);
+    let reply = desk.ask(Command::Event(Event::Arm));
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "limits.energy_trip"),
+        "{reply:?}"
+    );
+}
+
 /// The codes that the output has shown while PERMIT was high, on the way to a mode. The rig has sunk below zero by some
 /// millimetres before it is armed: the approach raises them.
 fn shown_with_permit(fault: Option<InjectedFault>, to: Mode) -> Vec<u16> {

@@ -5,7 +5,7 @@ use emu::Firmware;
 use firmware::station::{FlashRecord, Wiring};
 use link::Calibration;
 use link::command::Command;
-use link::reply::Reply;
+use link::reply::{Obstacle, Reply};
 use link::status::Timing;
 use outerloop_core::{Config, Event, Mode};
 
@@ -86,4 +86,18 @@ fn the_calibration_that_was_saved_is_in_force_without_a_test() {
         panic!("no identity");
     };
     assert_eq!(identity.calibration.number(), half.number());
+}
+
+#[test]
+fn what_a_board_goes_by_that_nobody_has_calibrated_takes_its_calibration_back() {
+    let mut desk = Desk::new(None);
+    desk.load();
+    let placeholder = Calibration::placeholder(&codes());
+    desk.order(Command::Calibrate(0, placeholder));
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let obstacle = Some(Obstacle::NotCalibrated);
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle: o, .. } if o == obstacle),
+        "{reply:?}"
+    );
 }
