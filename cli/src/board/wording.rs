@@ -1,8 +1,8 @@
 //! What a board says, in words.
 
-use experiment::numbers::three;
+use experiment::watch::NamedCause;
 use link::reply::Identity;
-use link::status::{CrashCause, CrashReport, NamedCause, StartCause, Status, WatchStatus};
+use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
@@ -82,7 +82,13 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
         ));
     }
     if let Some(watch) = &status.watch {
-        lines.push(describe_watch(identity, status, watch));
+        let (clock_hz, period) = (f64::from(identity.clock_hz), timing.period_cycles);
+        lines.push(describe_watch(
+            watch,
+            identity.actuators(),
+            clock_hz,
+            period,
+        ));
     }
     if !status.crystal_ok {
         lines.push("the crystal has the wrong frequency: the board refuses to arm".into());
@@ -120,41 +126,63 @@ fn describe_readings(identity: &Identity, status: &Status) -> Vec<String> {
     readings.collect()
 }
 
-/// Half of a 90 % interval, in standard deviations.
-const NINETY: f32 = 1.645;
-
-/// What the rig watch says, of which values, and since when.
-fn describe_watch(identity: &Identity, status: &Status, watch: &WatchStatus) -> String {
-    let clock_hz = f64::from(identity.clock_hz);
+/// What the rig watch says on a board of so many actuators, of which values, and since when.
+fn describe_watch(
+    watch: &WatchStatus,
+    actuators: usize,
+    clock_hz: f64,
+    period_cycles: u32,
+) -> String {
     let us = |cycles: u32| f64::from(cycles) / clock_hz * 1e6;
-    let since_s = f64::from(watch.since_step) * f64::from(status.timing.period_cycles) / clock_hz;
-    let said = |found: &NamedCause| {
-        let (cause, half) = (found.cause, NINETY * found.sd);
-        let of = match identity.actuators() {
-            1 => String::new(),
-            _ => format!(" of actuator {}", found.actuator),
-        };
-        format!(
-            "{} ({}{of}) {} {}, {} to {}",
-            cause.name(),
-            cause.side().name(),
-            three(found.value.into()),
-            cause.unit(),
-            three((found.value - half).into()),
-            three((found.value + half).into())
-        )
+    let since_s = f64::from(watch.since_step) * f64::from(period_cycles) / clock_hz;
+    let said = |named: &link::status::NamedCause| {
+        let actuator = (actuators > 1).then_some(usize::from(named.actuator));
+        NamedCause::of(named.cause, [named.value, named.sd], actuator).in_words()
     };
     let names: Vec<String> = watch.named.iter().map(said).collect();
     let said = match &names[..] {
         [] => String::new(),
-        [one] => format!(": {one}"),
-        several => format!(": one of {}", several.join("; ")),
+        names => format!(": {}", names.join(", or ")),
     };
     format!(
-        "the rig watch says {} since {since_s:.2} s of the test{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
+        "the rig watch says {} since {since_s:.2} s after the start{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
         watch.state.name(),
         watch.blocks,
         us(watch.worst_cycles),
         us(watch.mean_cycles)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use outerloop_core::watch::{Cause, State};
+
+    #[test]
+    fn the_watch_is_told_with_values_intervals_and_since_when() {
+        let named = |cause, value| link::status::NamedCause {
+            actuator: 2,
+            cause,
+            value,
+            sd: 0.1 * value,
+        };
+        let watch = WatchStatus {
+            state: State::Named,
+            since_step: 18_000,
+            named: [
+                named(Cause::ActuatorLate, 12.0),
+                named(Cause::ForceGain, 0.05),
+            ]
+            .into_iter()
+            .collect(),
+            blocks: 5000,
+            worst_cycles: 16_800,
+            mean_cycles: 1680,
+        };
+        assert_eq!(
+            describe_watch(&watch, 3, 168e6, 84_000),
+            "the rig watch says named since 9.00 s after the start: delay_error of the actuator 2 (12.0 ms, 10.0 to 14.0), or \
+             gain_error of the load cell 2 (0.0500, 0.0418 to 0.0582); 5000 blocks judged, 100 us each at worst, 10 us on average"
+        );
+    }
 }

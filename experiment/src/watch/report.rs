@@ -1,6 +1,7 @@
 //! What the watch had to say of a test, as data and in words.
 
 use crate::numbers::three;
+use outerloop_core::watch::Cause;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -253,7 +254,24 @@ impl WatchEvent {
     }
 }
 
+/// Half of a 90 % interval, in standard deviations.
+const NINETY: f64 = 1.645;
+
 impl NamedCause {
+    /// A cause with its value and standard deviation, of which actuator, from 1, where there are several.
+    pub fn of(cause: Cause, [value, sd]: [f32; 2], actuator: Option<usize>) -> Self {
+        let (value, half) = (f64::from(value), NINETY * f64::from(sd));
+        Self {
+            name: cause.name(),
+            side: cause.side().name(),
+            actuator,
+            value,
+            unit: cause.unit(),
+            ci90: [value - half, value + half],
+            corrected: None,
+        }
+    }
+
     /// As `delay_error of the actuator (6.1 ms, 5.2 to 7.0)`.
     pub fn in_words(&self) -> String {
         let of = format!("{} of {}", self.name, place(self.side, self.actuator));

@@ -11,8 +11,6 @@ use outerloop_core::watch::{
 };
 use std::f64::consts::TAU;
 
-/// What 90 % of a normal distribution lie within, standard deviations.
-const NINETY: f64 = 1.645;
 /// Watches a running test, in its loop.
 #[derive(Clone, Debug)]
 pub struct TestWatch {
@@ -135,16 +133,10 @@ impl TestWatch {
         let mut set = Vec::new();
         for (j, watch) in self.actuators.iter().enumerate() {
             set.extend(watch.findings().map(|f| {
-                let (value, sd) = (f64::from(f.value), f64::from(f.sd));
                 let corrected = f64::from(watch.corrected(f.cause));
                 NamedCause {
-                    name: f.cause.name(),
-                    side: f.cause.side().name(),
-                    actuator: self.number(j),
-                    value,
-                    unit: f.cause.unit(),
-                    ci90: [value - NINETY * sd, value + NINETY * sd],
                     corrected: (corrected != 0.0).then_some(corrected),
+                    ..NamedCause::of(f.cause, [f.value, f.sd], self.number(j))
                 }
             }));
         }

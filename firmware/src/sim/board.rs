@@ -65,7 +65,7 @@ pub struct SimBoard<P, const A: usize = 1> {
 }
 
 impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
-    /// With `plant` behind converters of the placeholder's ranges.
+    /// With `plant` behind converters of the nominal ranges.
     pub fn new(plant: P) -> Self {
         Self {
             plant,

@@ -11,9 +11,9 @@ const TIMEOUT_STEPS: u8 = 4;
 /// A force within this share of what the declared stiffness makes of the motion is none.
 const NO_FORCE_SHARE: f64 = 0.02;
 
-/// A force that stays within this part of its converter's range to either side stands but for the converter's noise: two codes of
-/// 16 bits, the same code of 12. A load cell that lives has more noise than that, also where a specimen yields.
-const STANDS_PART: u16 = 32_000;
+/// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
+/// either side, one code of 12. A load cell that lives has more noise than that, also where a specimen yields.
+const STANDS_PART: u16 = 16_000;
 
 /// What a test allows; the largest number where it is not looked at.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +49,8 @@ impl SensorLimits {
 pub struct SensorWatch<const A: usize> {
     /// Least and largest displacement since the force was last there, m.
     range_m: [[f32; 2]; A],
-    /// Where the force stands, a code.
-    stands_at: [u16; A],
+    /// Least and largest code of the force where it stands.
+    stands: [[u16; 2]; A],
     apart_steps: u8,
 }
 
@@ -59,7 +59,7 @@ impl<const A: usize> SensorWatch<A> {
     pub const fn new() -> Self {
         Self {
             range_m: [[f32::MAX, f32::MIN]; A],
-            stands_at: [0; A],
+            stands: [[0; 2]; A],
             apart_steps: 0,
         }
     }
@@ -104,20 +104,20 @@ impl<const A: usize> SensorWatch<A> {
         tests: bool,
     ) -> bool {
         let mut stands = false;
-        let seen = self.range_m.iter_mut().zip(&mut self.stands_at);
+        let seen = self.range_m.iter_mut().zip(&mut self.stands);
         let each = seen.zip(read).zip(codes).zip(&limits.no_force_n);
-        for ((((range_m, at), &[m, n]), &[_, code]), &none_n) in each {
+        for ((((range_m, codes), &[m, n]), &[_, code]), &none_n) in each {
             let [least, most] = range_m;
-            let is_there = code.abs_diff(*at) <= top / STANDS_PART;
+            let &mut [lowest, highest] = codes;
+            let [low, high] = [lowest.min(code), highest.max(code)];
+            let is_there = low.abs_diff(high) <= top / STANDS_PART;
             if tests && (n.abs() <= none_n || is_there) {
                 (*least, *most) = (least.min(m), most.max(m));
                 stands |= *most - *least > limits.force_stands_m;
             } else {
                 (*least, *most) = (f32::MAX, f32::MIN);
             }
-            if !is_there {
-                *at = code;
-            }
+            *codes = if is_there { [low, high] } else { [code; 2] };
         }
         stands
     }
@@ -135,8 +135,8 @@ mod tests {
             no_force_n: [0.0; MAX_ACTUATORS],
         };
         for (top, off, expected) in [
-            (65_535, 1, true),
-            (65_535, 2, false),
+            (65_535, 2, true),
+            (65_535, 3, false),
             (4095, 0, true),
             (4095, 1, false),
         ] {

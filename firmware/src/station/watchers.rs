@@ -130,6 +130,7 @@ impl<'a> Watchers<'a> {
         self.own.watches.clear();
         self.corrects = false;
         self.state = State::Sound;
+        self.since_step = 0;
         self.time = StepTime::new(u32::MAX);
     }
 

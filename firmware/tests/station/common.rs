@@ -55,7 +55,7 @@ pub fn fresh() -> Bench {
 pub fn started(found: Board) -> Bench {
     let hardware = sim::Faulty::new(sim::SimBoard::new(Spring { position_m: 0.003 }));
     Bench {
-        board: sim::Bench::started(hardware, found, Calibration::nominal(&CODES)),
+        board: sim::Bench::started(hardware, found, Calibration::placeholder(&CODES)),
         log: Vec::new(),
         request: 0,
     }
