@@ -368,7 +368,7 @@ pub fn forget(board: &mut BoardConnection) -> DeskRow {
     DeskRow::of(what, "calibrated: false", found)
 }
 
-/// After a test that nothing has ended: it stops, and the calibration goes.
+/// After something that was not as it has to be: a test that runs stops, and the calibration goes.
 fn give_up(board: &mut BoardConnection) {
     // Where the board does not do this either, the row says already that it is not as it has to be.
     let stopped = event(board, Event::Stop).and_then(|_| pass(board, STOPPED_STEPS));
@@ -384,16 +384,16 @@ pub fn mishap(
 ) -> DeskRow {
     let found = (|| {
         run_until_moving(board)?;
-        let reset = happens(mishap).and_then(|()| until_reset(board));
-        if reset.is_err() {
-            give_up(board);
-        }
-        reset?;
+        happens(mishap)?;
+        until_reset(board)?;
         let now = status(board)?;
         let died = now.last_crash.as_ref().map(|crash| crash.cause);
         let good = (now.started, died, now.permit) == (started, cause, false);
         Ok((said(&now), good && now.state == Mode::Idle))
     })();
+    if found.is_err() {
+        give_up(board);
+    }
     let limit = format!(
         "starts again by {started:?}, PERMIT low, crash report {}",
         cause.map_or("none".into(), |c| format!("{c:?}"))
