@@ -26,6 +26,7 @@ use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use timer::{Sampling, UG};
 
@@ -41,6 +42,8 @@ pub struct Laboratory {
     plan: VecDeque<PlannedFault>,
     gone_wrong: usize,
     drill_address: u64,
+    /// Where the firmware keeps the ground motion.
+    motion: Range<u64>,
     /// It goes by the wall clock.
     wall: Option<WallClock>,
     ends_at_ns: u64,
@@ -89,6 +92,7 @@ impl Laboratory {
             plan: VecDeque::new(),
             gone_wrong: 0,
             drill_address,
+            motion: 0..0,
             wall: None,
             ends_at_ns: u64::MAX,
             log: Arc::default(),
@@ -140,6 +144,12 @@ impl Laboratory {
     /// With such of ranges of their own for each actuator.
     pub fn wired_each(mut self, wired: [Calibration; MAX_ACTUATORS]) -> Self {
         self.wired = wired;
+        self
+    }
+
+    /// Of a firmware that keeps its ground motion there.
+    pub fn with_motion_at(mut self, motion: Range<u64>) -> Self {
+        self.motion = motion;
         self
     }
 

@@ -83,6 +83,8 @@ pub enum InjectedFault {
     LateBy(usize),
     /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
     Drill(u32),
+    /// The memory of the ground motion reads as ones, each point a NaN.
+    LostMotion,
 }
 
 /// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.

@@ -109,6 +109,11 @@ impl Laboratory {
                 Width::W32,
                 u64::from(DRILL_MAGIC + number),
             )),
+            InjectedFault::LostMotion => {
+                for address in self.motion.clone().step_by(4) {
+                    drop(host.write(address, Width::W32, u32::MAX.into()));
+                }
+            }
             InjectedFault::OutputDips
             | InjectedFault::InputDips
             | InjectedFault::StuckData { .. } => self.chain.disturb(session, planned.fault),

@@ -197,7 +197,9 @@ impl Desk {
         let rig = Rig::new(&spec, &[STIFFNESS_N_PER_M; ACTUATORS], 2000.0, 1).expect("a rig");
         let wire = Wire::default();
         let drill = firmware.symbol("DRILL").expect("the symbol DRILL");
+        let points = firmware.variable("6POINTS").expect("the ground motion");
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
+            .with_motion_at(points)
             .with_converters(CONVERTERS)
             .sinking(bench.sinks_m_per_s)
             .with_valves(bench.valve_m_per_s)

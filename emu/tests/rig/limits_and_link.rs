@@ -148,6 +148,23 @@ fn each_limit() {
     }
 }
 
+// proves: fault.non_finite by LostMotion
+#[test]
+fn a_ground_motion_whose_memory_reads_as_ones() {
+    let mut desk = begun(Some(InjectedFault::LostMotion), |_| {});
+    let after = trips(&mut desk, Fault::NonFinite).unwrap();
+    // By the next target of the equation of motion.
+    let periods = u64::from(config().timing.substeps);
+    assert!(after <= (periods + 1) * PERIOD_NS, "{after} ns");
+    // What was worked out of NaNs is gone with the test: the same motion, sent again, runs to its end.
+    desk.load();
+    desk.order(Command::Event(Event::Arm));
+    desk.until(Mode::Armed);
+    desk.order(Command::Event(Event::Start));
+    desk.until(Mode::Finished);
+    assert_eq!(desk.status().trip, None);
+}
+
 // proves: fault.permit_chain by Chain(Contact::Broken)
 #[test]
 fn a_relay_that_opens_by_itself() {
