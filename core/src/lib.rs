@@ -77,7 +77,7 @@ pub use ideal::IdealTest;
 pub use matrix::modes;
 pub use method::{Accepted, Force, Method, NOT_BUILT_IN, Prediction};
 pub use newmark::{Coefficients, Newmark};
-pub use outer_loop::{OuterLoop, Pace, Sample, Step};
+pub use outer_loop::{OBSTACLE_STEPS, OuterLoop, Pace, Sample, Step};
 pub use predict::{LastCommand, PredictAxis, TargetMotion};
 pub use record::{EnergyWords, Record, flag};
 pub use refusal::{Refusal, accept};

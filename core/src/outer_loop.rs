@@ -31,6 +31,7 @@ use crate::rig::{DirectRig, Rig};
 use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
 use crate::watch::Post;
+pub use operate::OBSTACLE_STEPS;
 
 /// What was measured in a control step, and what the board knows about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +118,9 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     stale: StaleWatch<N>,
     lock: LockWatch,
     trip: Option<Trip>,
+    /// The last thing that stood against arming, and in which control step.
     obstacle: Option<Finding>,
+    obstacle_tick: u32,
     idle_mean_m: Option<[f32; N]>,
     /// While commissioning: the command of the next step, m.
     commissioning_m: [f32; N],
@@ -154,6 +157,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             mode: Mode::Idle,
             trip: None,
             obstacle: None,
+            obstacle_tick: 0,
             history: History::new(),
             tick: 0,
             step: 0,

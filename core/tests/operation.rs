@@ -5,7 +5,7 @@ mod common;
 
 use common::{Rig, shaking, started, table1};
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OuterLoop, Sample, flag,
+    Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample, flag,
 };
 
 const RECORD_S: f64 = 6.0;
@@ -244,6 +244,10 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         outer.step(&sample, &ground(&points));
         assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
         let good = rig.sample();
+        for _ in 1..OBSTACLE_STEPS {
+            outer.step(&good, &ground(&points));
+            assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
+        }
         outer.step(&good, &ground(&points));
         assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
     }

@@ -264,7 +264,7 @@ impl Laboratory {
         if self.four_wires {
             return self.permission.level();
         }
-        self.permission.closed(at_ns, period_ns)
+        self.permission.read(at_ns, period_ns)
     }
 
     /// Starts the conversions, if an update does.

@@ -14,6 +14,8 @@ pub enum Contact {
     Broken,
     /// It is closed for good.
     Welded,
+    /// The wire by which it is read back is open; what hangs on it has its permission.
+    Unread,
 }
 
 /// The chain.
@@ -47,6 +49,11 @@ impl Permission {
         }
     }
 
+    /// What is read back of the contact.
+    pub fn read(&mut self, at_ns: u64, period_ns: u64) -> bool {
+        self.closed(at_ns, period_ns) && self.fault != Some(Contact::Unread)
+    }
+
     /// The contact at `at_ns`, where a control period takes `period_ns`.
     pub fn closed(&mut self, at_ns: u64, period_ns: u64) -> bool {
         let pulses = self
@@ -60,8 +67,9 @@ impl Permission {
             self.closed = coil;
         }
         match self.fault {
-            None => self.closed,
-            Some(fault) => fault == Contact::Welded,
+            None | Some(Contact::Unread) => self.closed,
+            Some(Contact::Broken) => false,
+            Some(Contact::Welded) => true,
         }
     }
 

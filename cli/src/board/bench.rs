@@ -110,7 +110,8 @@ impl<P: Port> Bench for BoardBench<P> {
         if let Some(told) = observer.watches_the_loop() {
             in_force.watch(board, told)?;
         }
-        in_force.arm(board, &identity, &self.operator)?;
+        let compared = config.limits.disagree_m.is_some();
+        in_force.arm(board, &identity, &self.operator, compared)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
         in_force.send(board, Event::Start)?;

@@ -1,6 +1,5 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
-use super::configured_test::before_arming;
 use super::connection::Connection;
 use super::cross_readings::CrossReadings;
 use super::limits::PlannedMotion;
@@ -8,6 +7,7 @@ use super::operator::Operator;
 use super::orders::{clear, done, event, status};
 use super::port::Port;
 use super::setup::ready;
+use super::standing::Standing;
 use super::trajectory::Trajectory;
 use crate::terminal::interrupt;
 use experiment::bench::Played;
@@ -63,7 +63,7 @@ pub fn commission<P: Port>(
         readings: CrossReadings::new(&identity, actuator, rate_hz, shown.frozen_m),
         identity,
     };
-    alone.arm(board, operator)?;
+    alone.arm(board, operator, config.limits.disagree_m.is_some())?;
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.readings.stiffness_n_per_m();
@@ -96,6 +96,7 @@ impl SingleActuator {
         &mut self,
         board: &mut Connection<P>,
         operator: &Operator,
+        compared: bool,
     ) -> Result<(), Failure> {
         interrupt::watch_rig();
         board.forget_steps();
@@ -105,16 +106,23 @@ impl SingleActuator {
                 (idle, latest) = (idle + 1, Some(step));
             }
         }
-        if let Some(step) = &latest {
-            operator.ask(&before_arming(&self.identity, step));
-        }
-        while !operator.agrees() {
+        let mut asked = false;
+        loop {
+            if let Some(step) = &latest {
+                let standing = Standing::of(&self.identity, step, compared);
+                if !std::mem::replace(&mut asked, true) {
+                    operator.ask(&standing.question());
+                }
+                if operator.lets_arm(&standing)? {
+                    break;
+                }
+            }
             if interrupt::asked() {
                 return Err(Failure::test(
                     "the signal was given up before anything moved",
                 ));
             }
-            self.step(board)?;
+            latest = self.step(board)?.map(|(_, step)| step).or(latest);
         }
         event(board, Event::Arm)?;
         board.forget_steps();

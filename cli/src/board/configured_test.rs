@@ -6,6 +6,7 @@ use super::mirror::Mirror;
 use super::operator::Operator;
 use super::orders::{clear, done, event, status};
 use super::port::Port;
+use super::standing::Standing;
 use crate::terminal::interrupt;
 use experiment::bench::FurtherInputs;
 use experiment::bench::interface::OnBoard;
@@ -24,27 +25,6 @@ const IDLE_STEPS: u64 = 256;
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
-
-/// What a person is asked before anything moves: a transducer that is dead or displaced is seen by nobody else where there is
-/// no second one.
-pub fn before_arming(identity: &Identity, step: &StepReport) -> String {
-    let read: Vec<String> = identity
-        .calibrations()
-        .enumerate()
-        .filter_map(|(actuator, lines)| {
-            let [displacement, force] = step.codes(actuator)?;
-            Some(format!(
-                "{:.2} mm with {:.2} kN",
-                f64::from(lines.displacement.quantity(displacement)) * 1e3,
-                f64::from(lines.force.quantity(force)) * 1e-3
-            ))
-        })
-        .collect();
-    format!(
-        "the board reads {}: Enter, if that is where it stands on the piston, arms it and lets it go slowly to zero; Ctrl-C gives it up",
-        read.join(", ")
-    )
-}
 
 /// A test from its configuration to its end.
 pub struct ConfiguredTest<'a, const N: usize> {
@@ -232,8 +212,8 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         Some(record)
     }
 
-    /// Idle; the person's word that the rig stands where it is read; arming, and the way to the start position, which Ctrl-C
-    /// ends.
+    /// Idle; the person's word that the rig stands where it is read, `compared` with a second displacement or not; arming, and the
+    /// way to the start position, which Ctrl-C ends.
     ///
     /// # Errors
     /// A person who gives it up; a board that does not arm, that trips on its way, or whose button has ended it.
@@ -242,14 +222,22 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         board: &mut Connection<P>,
         identity: &Identity,
         operator: &Operator,
+        compared: bool,
     ) -> Result<(), Failure> {
         while self.steps < IDLE_STEPS {
             self.next(board)?;
         }
-        if let Some((_, step)) = &self.latest {
-            operator.ask(&before_arming(identity, step));
-        }
-        while !operator.agrees() {
+        let mut asked = false;
+        loop {
+            if let Some((_, step)) = &self.latest {
+                let standing = Standing::of(identity, step, compared);
+                if !std::mem::replace(&mut asked, true) {
+                    operator.ask(&standing.question());
+                }
+                if operator.lets_arm(&standing)? {
+                    break;
+                }
+            }
             if interrupt::asked() {
                 return Err(Failure::test("the test was given up before anything moved"));
             }

@@ -106,14 +106,15 @@ impl EmulatedRig {
         }
     }
 
-    /// A bare board with four wires, to which `mishap` comes.
+    /// A bare board with four wires, on which `image` runs and to which `mishap` comes.
     ///
     /// # Errors
     /// None, while the test of the desk is one.
-    pub fn on_desk(mishap: Option<Mishap>) -> Result<Self, Failure> {
+    pub fn on_desk(image: Image, mishap: Option<Mishap>) -> Result<Self, Failure> {
         let laboratory = Self::of(&desk::experiment(1.0, 2000)?.test, 1);
         Ok(Self {
-            calibration: desk::calibration(&laboratory.image.codes()),
+            calibration: desk::calibration(&image.codes()),
+            image,
             four_wires: true,
             mishap,
             ..laboratory

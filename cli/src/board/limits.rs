@@ -8,7 +8,7 @@
 //! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
 //! | `stale_steps` | the declared delay and 20 ms |
 //! | `frozen_m` | 8 codes of the board's displacement, or 16 standard deviations of its noise |
-//! | `energy_trip` | 3: no sound test of `check --monitor` comes to it |
+//! | `energy_trip` | 3: no sound test of `check-surveys monitor` (in `host-tests`) comes to it |
 //! | `force_stands_m` | a quarter of the largest displacement, where that is a test's |
 //!
 //! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
@@ -32,7 +32,7 @@ const DEVIATIONS: f64 = 7.0;
 const FROZEN_DEVIATIONS: f64 = 16.0;
 /// Of the planned motion: a force that stands at zero for longer is none.
 const FORCE_STANDS: f64 = 0.25;
-/// Of the energy in a test: the threshold of `check --monitor`.
+/// Of the energy in a test: the threshold of `check-surveys monitor`.
 const ENERGY_TRIP: f64 = 3.0;
 /// Over the declared delay, s.
 const STALE_S: f64 = 0.02;

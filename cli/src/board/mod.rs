@@ -14,6 +14,7 @@
 //!  trajectory   what moves the actuator without a test: a formula or points
 //!  limits       those that a board asks for, worked out from the planned test
 //!  operator     the person at the bench: go, go on, stop
+//!  standing     where the pistons stand, as a person says and the board reads
 //!  orders       what a person asks of a board, and how a refusal is said
 //!  wording      what a board says, in words
 //! ```
@@ -34,6 +35,7 @@ pub mod operator;
 mod orders;
 mod port;
 mod setup;
+pub mod standing;
 mod trajectory;
 mod upload;
 mod wording;
@@ -49,5 +51,6 @@ pub(crate) use orders::done;
 pub use orders::{calibrate, calibrate_one, clear, identify, save, status, zero};
 pub use port::{Port, Serial};
 pub(crate) use setup::ready;
+pub use standing::PistonsAt;
 pub use trajectory::Trajectory;
 pub use wording::{describe, describe_words};

@@ -217,7 +217,8 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
         );
         mirror.take_targets(self.pace);
         let mut in_force = ConfiguredTest::new(board, mirror, since, &identity);
-        in_force.arm(board, &identity, &self.operator)?;
+        let compared = config.limits.disagree_m.is_some();
+        in_force.arm(board, &identity, &self.operator, compared)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
         self.calibrated = identity.calibrations().copied().collect();

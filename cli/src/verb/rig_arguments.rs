@@ -3,8 +3,8 @@
 use crate::board::emulated::{self, Emulated, EmulatedRig};
 use crate::board::limits::PlannedMotion;
 use crate::board::{
-    BoardBench, BoardConnection, Connection, Operator, Port, Serial, Timeouts, Trajectory,
-    calibrate, commission, identify,
+    BoardBench, BoardConnection, Connection, Operator, PistonsAt, Port, Serial, Timeouts,
+    Trajectory, calibrate, commission, identify,
 };
 use crate::improve::TestSite;
 use crate::terminal::interrupt;
@@ -33,6 +33,11 @@ pub struct RigArguments {
     /// Do not ask for confirmation between the approach and the start of a test on a board
     #[arg(long, requires = "port")]
     yes: bool,
+    /// Where the pistons stand on their scales, mm, one for each actuator with commas between them, or none where none hangs on
+    /// the board; compared with what the board reads before it is armed. Needed with --yes where the test states no
+    /// `limits.disagree_m`
+    #[arg(long, value_name = "MM", requires = "yes", allow_hyphen_values = true)]
+    piston_at: Option<PistonsAt>,
     /// An emulated board goes by the wall clock.
     #[arg(skip)]
     real_time: bool,
@@ -99,8 +104,11 @@ impl RigArguments {
     /// # Errors
     /// Nobody at the keyboard.
     pub fn operator(&self) -> Result<Operator, Failure> {
-        if self.yes || self.port.is_none() {
+        if self.port.is_none() {
             return Ok(Operator::not_asked());
+        }
+        if self.yes {
+            return Ok(Operator::script(self.piston_at.clone()));
         }
         Operator::at_keyboard()
     }

@@ -209,7 +209,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
                 found.filter(before).or(Some(Finding::fact(fault)))
             }
         };
-        self.obstacle = finding;
+        if finding.is_some() {
+            (self.obstacle, self.obstacle_tick) = (finding, self.tick);
+        }
         let Some((found, mut after)) =
             finding.and_then(|f| Some((f, self.mode.after(Event::of(f.fault)).ok()?)))
         else {

@@ -7,6 +7,9 @@ use super::{
 use crate::rig::Rig;
 use crate::supervise::{Event, Fault, Rejected};
 
+/// So many control steps a fault has to be gone before the loop can be armed: one that comes and goes stands against it.
+pub const OBSTACLE_STEPS: u32 = 200;
+
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What the loop is doing.
     pub fn mode(&self) -> Mode {
@@ -38,7 +41,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let rejected = Rejected {
             state: self.mode,
             event,
-            obstacle: self.obstacle.map(|f| f.fault).or(unseen),
+            obstacle: self.obstacle().or(unseen),
         };
         let mut next = self.mode.after(event)?;
         match next {
@@ -76,6 +79,13 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             None if self.mode == Mode::Commissioning => self.mode = Mode::Running,
             Some(_) | None => {}
         }
+    }
+
+    /// What stands against arming: a fault that was there in the last [`OBSTACLE_STEPS`].
+    fn obstacle(&self) -> Option<Fault> {
+        let since = self.tick.wrapping_sub(self.obstacle_tick);
+        let obstacle = self.obstacle.filter(|_| since <= OBSTACLE_STEPS);
+        obstacle.map(|f| f.fault)
     }
 
     /// Exchanges the whole design while idle.
@@ -128,6 +138,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             lock,
             trip,
             obstacle,
+            obstacle_tick,
             idle_mean_m,
             commissioning_m,
             energy,
@@ -144,7 +155,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             post,
         } = self;
         *mode = Mode::Idle;
-        (*step, *flags) = (0, 0);
+        (*step, *flags, *obstacle_tick) = (0, 0, 0);
         (*trip, *obstacle, *idle_mean_m) = (None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *resume_share, *commissioning_m) = (0.0, 0.0, [0.0; N]);

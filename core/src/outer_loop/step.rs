@@ -52,7 +52,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let may_send = self.may_send(sample, &displacement_m, &aim_m, &send_m, stale_steps);
         self.record(sample, &estimate);
         let command_m = if may_send {
-            self.obstacle = None;
             self.send(actuated::<N>(self.design.physical), next_m, aim_m, send_m)
         } else {
             let copy_m = displacement_m;

@@ -25,6 +25,8 @@ pub struct StaleWatch<const N: usize> {
     moved_target_m: [f32; N],
     hidden_motion_m: f32,
     steps: u16,
+    /// Samples that did not come, each that came taking one off: a converter that answers now and then is found, too.
+    missed: u16,
     standing_steps: u16,
     timeout_steps: u16,
 }
@@ -49,6 +51,7 @@ impl<const N: usize> StaleWatch<N> {
             moved_target_m: [0.0; N],
             hidden_motion_m,
             steps: 0,
+            missed: 0,
             standing_steps: 0,
             timeout_steps,
         }
@@ -85,17 +88,21 @@ impl<const N: usize> StaleWatch<N> {
             }
         }
         let usable = fresh && !frozen;
-        if usable && !stands {
-            (self.steps, self.standing_steps) = (0, 0);
+        if usable && !stands && (self.steps | self.missed | self.standing_steps) == 0 {
             return Staleness { usable, steps: 0 };
         }
-        self.count(usable, stands)
+        self.count(fresh, usable, stands)
     }
 
-    /// One more stale step.
+    /// A stale step, or one behind it.
     #[cold]
     #[inline(never)]
-    fn count(&mut self, usable: bool, stands: bool) -> Staleness {
+    fn count(&mut self, fresh: bool, usable: bool, stands: bool) -> Staleness {
+        self.missed = if fresh {
+            self.missed.saturating_sub(1)
+        } else {
+            self.missed.saturating_add(1)
+        };
         self.steps = if usable {
             0
         } else {
@@ -112,7 +119,7 @@ impl<const N: usize> StaleWatch<N> {
         };
         Staleness {
             usable,
-            steps: self.steps.max(stood),
+            steps: self.steps.max(stood).max(self.missed),
         }
     }
 }
@@ -135,6 +142,17 @@ mod tests {
         assert_eq!(watch.update(true, &[1e-4], &[1e-3], 1).steps, 0);
         let missed = watch.update(false, &[2e-4], &[1e-3], 1);
         assert_eq!((missed.usable, missed.steps), (false, 1));
+    }
+
+    #[test]
+    fn a_converter_that_answers_every_third_time_is_stale_and_one_that_misses_every_third_is_not() {
+        let last = |answers: fn(u32) -> bool| {
+            let mut watch = StaleWatch::<1>::new(1e-4, 0);
+            let step = |k: u32| watch.update(answers(k), &[k as f32 * 1e-6], &[0.0], 1).steps;
+            (0..90).map(step).last()
+        };
+        assert_eq!(last(|k| k % 3 == 0), Some(31));
+        assert_eq!(last(|k| k % 3 != 0), Some(0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The rig's part of a period: the commands of its actuators, where they go, and what its sensors show of it.
 
 use super::Laboratory;
-use crate::chain::{self, Shown};
+use crate::chain::{self, Converters, Shown};
 use crate::log::InjectedFault;
 use crate::nucleo::Nucleo;
 use link::MAX_ACTUATORS;
@@ -65,8 +65,8 @@ impl Laboratory {
         shown
     }
 
-    /// Each output is wired to the displacement and the force of its actuator. An output that is off stands where two
-    /// resistors hold it, in the middle.
+    /// Each output is wired to the displacement and the force of its actuator, with external converters to the second displacement,
+    /// too. An output that is off stands where two resistors hold it, in the middle.
     fn wired_shown(&mut self, pins: [Option<u16>; MAX_ACTUATORS]) -> Shown {
         let codes = self.chain.converters().widths();
         let [sensor_top, command_top] = [codes.sensor_top, codes.command_top].map(f64::from);
@@ -74,11 +74,15 @@ impl Laboratory {
         let read = volts.map(|share| share * sensor_top);
         let at_m = chain::command_m(&self.wired[0], pins[0].unwrap_or(codes.command_top / 2));
         self.keep(pins, at_m);
-        Shown {
+        let mut shown = Shown {
             displacement: read,
             force: read,
             ..Shown::default()
+        };
+        if self.chain.converters() == Converters::External {
+            shown.second_displacement = read[0];
         }
+        shown
     }
 
     fn keep(&self, [pin, other_pins @ ..]: [Option<u16>; MAX_ACTUATORS], at_m: f64) {

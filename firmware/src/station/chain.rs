@@ -35,12 +35,14 @@ impl ChainWatch {
         timeout_steps: u32,
         open_steps: u32,
     ) -> bool {
-        self.steps = if permit == closed {
-            0
-        } else {
-            self.steps.saturating_add(1)
+        let was_closed = self.was_closed;
+        self.was_closed = permit && (was_closed || closed);
+        self.steps = match (permit == closed, was_closed) {
+            (false, _) => self.steps.saturating_add(1),
+            // A contact that chatters is seen, too.
+            (true, true) => self.steps.saturating_sub(1),
+            (true, false) => 0,
         };
-        self.was_closed = permit && (self.was_closed || closed);
         let timeout = if self.was_closed {
             open_steps
         } else {
@@ -73,5 +75,15 @@ mod tests {
         assert!(!watch.disagrees(true, true, 200, 6));
         let tolerated = (0..20).take_while(|_| !watch.disagrees(true, false, 200, 6));
         assert_eq!(tolerated.count(), 6);
+    }
+
+    #[test]
+    fn a_contact_that_chatters_is_seen_and_one_that_bounces_once_is_not() {
+        let seen = |closed: fn(u32) -> bool| {
+            let mut watch = ChainWatch::new();
+            (0..40).any(|step| watch.disagrees(true, closed(step), 200, 6))
+        };
+        assert!(seen(|step| step == 0 || step % 3 == 0));
+        assert!(!seen(|step| step < 5 || step > 9));
     }
 }

@@ -208,7 +208,7 @@ impl<const A: usize> Station<A> {
             .read_back
             .differs::<H>(&inputs, fresh, self.output.sent);
         self.look_at_output(hardware, differs);
-        let tests = self.mode().integrates() && self.signal.is_none() && !self.targets_from_pc;
+        let tests = self.mode().integrates() && self.signal.is_none();
         let m_per_code = self
             .calibrations
             .first()

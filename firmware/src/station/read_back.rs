@@ -4,7 +4,8 @@ use crate::hardware::Hardware;
 use link::Input;
 use link::telemetry::MAX_INPUTS;
 
-/// Steps in a row that a command may be read back differently: a spike on a wire is no fault.
+/// Steps that a command may be read back differently, one that agrees taking one off: a spike on a wire is no fault, a contact that
+/// comes and goes is.
 const TIMEOUT_STEPS: u8 = 4;
 
 /// What the outputs have to show, and for how long one of them has not.
@@ -43,10 +44,10 @@ impl<const A: usize> ReadBack<A> {
         }
         self.shown = sent;
         // What no new sample shows is left to the count of stale ones.
-        self.steps = if off && fresh {
-            self.steps.saturating_add(1)
-        } else {
-            0
+        self.steps = match (fresh, off) {
+            (false, _) => self.steps,
+            (true, true) => self.steps.saturating_add(1),
+            (true, false) => self.steps.saturating_sub(1),
         };
         self.steps > TIMEOUT_STEPS
     }

@@ -5,7 +5,7 @@ use link::telemetry::MAX_INPUTS;
 use link::{Input, MAX_ACTUATORS};
 use outerloop_core::{Config, Fault};
 
-/// Steps in a row that are no fault: a spike on a wire.
+/// Steps that are no fault, one without taking one off: a spike on a wire.
 const TIMEOUT_STEPS: u8 = 4;
 
 /// A force within this share of what the declared stiffness makes of the motion is none.
@@ -65,7 +65,8 @@ impl<const A: usize> SensorWatch<A> {
     }
 
     /// Takes in a sample: the further inputs, displacements and forces in codes, in m and in N, and by how much a code of the
-    /// first displacement stands. `tests`: the loop integrates with the forces.
+    /// first displacement stands. `tests`: an equation of motion takes the
+    /// forces, here or outside.
     #[inline]
     pub fn fault<H: Hardware<A>>(
         &mut self,
@@ -86,7 +87,7 @@ impl<const A: usize> SensorWatch<A> {
         self.apart_steps = if apart {
             self.apart_steps.saturating_add(1)
         } else {
-            0
+            self.apart_steps.saturating_sub(1)
         };
         if self.apart_steps > TIMEOUT_STEPS {
             return Some(Fault::Disagree);

@@ -6,7 +6,7 @@ use link::Calibration;
 use link::command::Command;
 use link::frame::{DecoderCounts, checksum};
 use link::reply::Reply;
-use outerloop_core::{Config, Event, Fault, Mode, config::Limits};
+use outerloop_core::{Config, Event, Fault, Mode, OBSTACLE_STEPS, config::Limits};
 use std::ops::{Deref, DerefMut};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
@@ -139,14 +139,19 @@ impl Bench {
         }
     }
 
+    /// Whatever stood against arming has been gone for long enough.
+    pub fn settle(&mut self) {
+        for _ in 0..=OBSTACLE_STEPS {
+            self.step();
+        }
+    }
+
     /// Configured, loaded, armed and at the start.
     pub fn ready(&mut self, config: Config, points: &[f32]) {
         let configured = self.ask(Command::Configure(config));
         assert!(matches!(configured, Reply::Done { .. }), "{configured:?}");
         self.upload(points, 0.01);
-        for _ in 0..300 {
-            self.step();
-        }
+        self.settle();
         let armed = self.event(Event::Arm);
         assert!(
             matches!(

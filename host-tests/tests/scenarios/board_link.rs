@@ -407,24 +407,54 @@ fn a_limit_that_the_calibration_cannot_show_is_refused_with_what_it_can() {
 }
 
 #[test]
+fn a_piston_that_stands_elsewhere_than_it_is_read_is_not_armed() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let (person, lines) = channel();
+    board.mishaps.push_back((
+        700,
+        Box::new(move |_| person.send("14.5".to_owned()).unwrap()),
+    ));
+    let refused = run_by(&t, connect(board), Operator::by(lines)).unwrap_err();
+    let sentence = refused.to_string();
+    assert!(
+        sentence.contains("said to stand at 14.5 mm") && sentence.contains("nothing has moved"),
+        "{sentence}"
+    );
+    // A script says it beforehand, or has a second transducer.
+    let by = |said: Option<&str>| {
+        let said = said.map(|text| text.parse().unwrap());
+        run_by(&t, connect(loopback(&t)), Operator::script(said))
+    };
+    let sentence = by(None).unwrap_err().to_string();
+    assert!(sentence.contains("--piston-at"), "{sentence}");
+    assert!(by(Some("14.5")).is_err());
+    for said in ["0", "none"] {
+        let run = by(Some(said)).unwrap();
+        assert_eq!(run.summary.verdict, TestVerdict::Completed, "{said}");
+    }
+}
+
+#[test]
 fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     let t = test(&[]);
     let mut board = loopback(&t);
     let (person, go) = channel();
-    let enter = || -> FaultInjection {
-        let person = person.clone();
-        Box::new(move |_| person.send(()).unwrap())
+    let types = |line: &str| -> FaultInjection {
+        let (person, line) = (person.clone(), line.to_owned());
+        Box::new(move |_| person.send(line.clone()).unwrap())
     };
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // Steps of the board: nothing is armed before the first Enter, nothing begins before the second, nothing goes on before
-    // the third.
+    // Steps of the board: nothing is armed before it is said where the piston stands, nothing begins before Enter, nothing goes on
+    // before Enter.
     board.mishaps.extend([
-        (700, enter()),
-        (3000, enter()),
+        (700, types("")),
+        (800, types("0.2")),
+        (3000, types("")),
         (8000, press(true)),
         (8200, press(false)),
-        (9000, enter()),
+        (9000, types("")),
     ]);
     let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
     assert_eq!(
