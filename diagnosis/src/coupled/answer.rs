@@ -2,7 +2,7 @@
 
 use super::reciprocity::{Place, Tied};
 use super::record::Moved;
-use super::select::Chosen;
+use super::select::{Chosen, Wrong};
 use super::specimen::{CoupledSpecimen, MATRICES};
 use crate::answer::Errors;
 use crate::declared::Declared;
@@ -45,6 +45,8 @@ pub struct WrongEntry {
     pub value: f64,
     /// 90 % interval of what was found.
     pub ci90: [f64; 2],
+    /// How probable it is that it is wrong, if a constant matrix is what is missing.
+    pub probability: f64,
     /// Entries that would explain the record as well, `mass of x_m by x_m`.
     pub alternatives: Vec<String>,
 }
@@ -69,7 +71,7 @@ pub struct CoordinateAnswer {
     pub coordinate: String,
     /// What is said of it.
     pub verdict: CoupledVerdict,
-    /// What is wrong, most telling first.
+    /// What is wrong, the likeliest first.
     pub wrong: Vec<WrongEntry>,
     /// Unit of the force.
     pub unit: &'static str,
@@ -167,9 +169,9 @@ impl Judge<'_> {
             .chosen
             .wrong
             .iter()
-            .filter_map(|(which, as_well)| {
-                let (_, k) = self.tied.places[*which].iter().find(|p| p.0 == i)?;
-                Some(self.entry(i, *k, found[*k], as_well))
+            .filter_map(|wrong| {
+                let (_, k) = self.tied.places[wrong.entry].iter().find(|p| p.0 == i)?;
+                Some(self.entry(i, *k, found[*k], wrong))
             })
             .collect();
         let silent = own(self.train) == 0.0;
@@ -226,7 +228,7 @@ impl Judge<'_> {
         dead.into_iter().chain(uneven).collect()
     }
 
-    fn entry(&self, row: usize, k: usize, found: Declared, as_well: &[usize]) -> WrongEntry {
+    fn entry(&self, row: usize, k: usize, found: Declared, wrong: &Wrong) -> WrongEntry {
         let n = self.declared.count();
         let declared = self.declared.row(row)[k];
         let half = NINETY * found.tolerance;
@@ -238,7 +240,9 @@ impl Judge<'_> {
             tolerance: declared.tolerance,
             value: found.value,
             ci90: [found.value - half, found.value + half],
-            alternatives: as_well
+            probability: wrong.probability,
+            alternatives: wrong
+                .as_well
                 .iter()
                 .map(|which| self.name(self.tied.places[*which][0]))
                 .collect(),

@@ -1,20 +1,51 @@
-//! The entries that cannot be what they were declared to be.
+//! The entries that cannot be what they were declared to be: the engine's search, posterior and verdict, in which a name is an
+//! entry.
 //!
-//! The distance of the declaration from the record, in the measure of both their uncertainties, is what tells; the entry
-//! without which it falls most is named, until nothing falls by much.
+//! What every sample says against a declaration, of which some entries are given up, is its distance from the record in the
+//! measure of both their uncertainties.
 
 use super::fit::Estimate;
-use crate::criteria::coordinates::{AS_WELL, NAMED, ROUNDING};
+use crate::criteria::coordinates::{ENTRY, ROUNDING};
 use crate::declared::Declared;
+use crate::engine::beam::{Beam, Scored};
+use crate::engine::posterior::{Candidate, Name, Posterior};
+use crate::engine::score::{BLOCKS, Evidence};
+use crate::engine::search::price_of_more;
+use crate::engine::verdict::{NOTHING, RIVALS, Said, verdict};
 use nalgebra::{DMatrix, DVector};
+use plant::Family;
+
+/// An entry that is wrong.
+pub struct Wrong {
+    /// Its place among the unknowns.
+    pub entry: usize,
+    /// How probable it is that it is.
+    pub probability: f64,
+    /// Those that would explain the record as well in its place.
+    pub as_well: Vec<usize>,
+}
 
 /// What the entries came to.
 pub struct Chosen {
-    /// The entries that are wrong, each with those that would explain the record as well.
-    pub wrong: Vec<(usize, Vec<usize>)>,
+    /// The entries that are wrong, the likeliest first.
+    pub wrong: Vec<Wrong>,
     /// Every entry as the record and what is left of the declaration have it together; the tolerance is its standard
     /// deviation.
     pub entries: Vec<Declared>,
+}
+
+/// A name: the place of an entry among the unknowns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Entry(usize);
+
+impl Name for Entry {
+    fn place(self) -> usize {
+        self.0
+    }
+
+    fn family(self) -> Option<Family> {
+        None
+    }
 }
 
 /// The declaration, of which the entries `kept` still count.
@@ -63,19 +94,6 @@ impl Held<'_> {
         off.dot(&(inverse * &off))
     }
 
-    fn without(&self, entry: usize) -> Self {
-        Self {
-            kept: self.kept.iter().copied().filter(|k| *k != entry).collect(),
-            ..*self
-        }
-    }
-
-    fn with(&self, entry: usize) -> Self {
-        let mut kept = self.kept.clone();
-        kept.push(entry);
-        Self { kept, ..*self }
-    }
-
     /// Every entry from the record and the declaration of those that are kept.
     fn together(&self) -> Vec<Declared> {
         let all = self.estimate.value.len();
@@ -95,51 +113,72 @@ impl Held<'_> {
     }
 }
 
-/// The entries that are wrong, and what all of them are.
-pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
-    let mut held = Held {
+/// The declaration without the entries `given_up`.
+fn held<'a>(declared: &'a [Declared], estimate: &'a Estimate, given_up: &[usize]) -> Held<'a> {
+    let all = 0..declared.len();
+    Held {
         declared,
         estimate,
-        kept: (0..declared.len()).collect(),
+        kept: all.filter(|k| !given_up.contains(k)).collect(),
+    }
+}
+
+/// The entries that are wrong, and what all of them are.
+pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
+    let evidence = |given_up: &[usize]| {
+        let against = 0.5 * held(declared, estimate, given_up).distance();
+        let price = ENTRY * given_up.len() as f64 + price_of_more(given_up.len());
+        Evidence::of_samples(against, price)
     };
-    let mut named = Vec::new();
-    let mut distance = held.distance();
-    while let Some((entry, less)) = held
-        .kept
+    let scored = |atoms: Vec<usize>| Scored {
+        evidence: evidence(&atoms),
+        left: [0.0; BLOCKS],
+        atoms,
+    };
+    let beam = Beam {
+        laws: (0..declared.len()).collect(),
+        most: declared.len(),
+        scored: Box::new(|set| Some(scored(set))),
+    };
+    let candidate = |s: Scored| Candidate {
+        names: s.atoms.into_iter().map(Entry).collect(),
+        nameless: false,
+        evidence: s.evidence,
+        model: (),
+    };
+    let found = beam.run(scored(Vec::new()));
+    let posterior = Posterior::of(found.into_iter().map(candidate).collect());
+    let chosen: Vec<usize> = match verdict(&posterior, NOTHING) {
+        Said::Nothing | Said::Unknown(None) => Vec::new(),
+        Said::Names(named) => places(&named.model),
+        Said::Set(model, _) | Said::Unknown(Some(model)) => places(&model),
+    };
+    let whole = evidence(&chosen).score();
+    // As probable beside the chosen one as what stands beside a sure name.
+    let near = |set: &[usize]| whole - evidence(set).score() < -RIVALS.ln();
+    let in_place_of = |entry: usize| -> Vec<usize> {
+        let free = (0..declared.len()).filter(|other| !chosen.contains(other));
+        let swapped = |other: &usize| -> Vec<usize> {
+            let kept = chosen.iter().copied().filter(|e| *e != entry);
+            kept.chain([*other]).collect()
+        };
+        free.filter(|other| near(&swapped(other))).collect()
+    };
+    let mut wrong: Vec<Wrong> = chosen
         .iter()
-        .map(|k| (*k, held.without(*k).distance()))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        && distance - less > NAMED
-    {
-        held = held.without(entry);
-        distance = less;
-        named.push(entry);
-    }
-    // What was named early may be explained by what came later.
-    let mut kept_named = Vec::new();
-    for entry in named {
-        let back = held.with(entry);
-        let without = back.distance();
-        if without - distance > NAMED {
-            kept_named.push(entry);
-        } else {
-            (held, distance) = (back, without);
-        }
-    }
-    let wrong = kept_named
-        .iter()
-        .map(|entry| {
-            let back = held.with(*entry);
-            let as_well = held
-                .kept
-                .iter()
-                .copied()
-                .filter(|other| back.without(*other).distance() - distance < AS_WELL);
-            (*entry, as_well.collect())
+        .map(|&entry| Wrong {
+            entry,
+            probability: posterior.name(Entry(entry)),
+            as_well: in_place_of(entry),
         })
         .collect();
+    wrong.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     Chosen {
         wrong,
-        entries: held.together(),
+        entries: held(declared, estimate, &chosen).together(),
     }
+}
+
+fn places(model: &Candidate<(), Entry>) -> Vec<usize> {
+    model.names.iter().map(|n| n.0).collect()
 }

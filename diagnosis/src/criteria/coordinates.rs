@@ -2,10 +2,9 @@
 
 // Entries that are named.
 
-/// The distance must fall by so much for an entry to be named: four standard deviations.
-pub const NAMED: f64 = 16.0;
-/// Another entry that leaves so little more explains the record as well.
-pub const AS_WELL: f64 = 6.0;
+/// What an entry costs that is given up, nats: with what speaks for a name at all, the first one is five standard deviations
+/// off, and a further one four.
+pub const ENTRY: f64 = 4.5;
 /// Rounding, as a share of an entry.
 pub const ROUNDING: f64 = 1e-6;
 

@@ -5,8 +5,9 @@
 //! cutoff     where motion ends and noise begins                   motion     a record as the laws see it: columns
 //! gram       their products, block by block                       bounded    least squares within bounds
 //! score      the one measure: blocks of the training data left out
-//! search     sets of laws by their products                       polish     a model's shapes at their best
-//! exact      where a law leaves noise, every sample counts        free       the rival without a name
+//! beam       the one search: a set, a term more at a time         search     sets of laws by their products
+//! polish     a model's shapes at their best                       free       the rival without a name
+//! exact      where a law leaves noise, every sample counts
 //! posterior  the probability of each name                         verdict    three thresholds
 //! settle     the chosen model to the last of the noise            sliding    friction where it slides
 //! unknowns   what a fit may move, and how that varies together    figures    a name's parameters with intervals
@@ -16,10 +17,12 @@
 //! What it expects of what surrounds it: records that were checked and resampled (`recording`, `plausible`), without what the model
 //! already has (`specimen::without_known`); a noise that is the transducer's and the declared model's on it, no disturbance
 //! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
-//! a [`SpecimenModelFit`] and its residuals.
+//! a [`SpecimenModelFit`] and its residuals. What is wrong in the matrices of several coordinates is found by the same search, posterior
+//! and verdict (`coupled/select`): there a name is an entry.
 
 mod actuator;
 mod asked;
+pub mod beam;
 mod bounded;
 mod cutoff;
 mod exact;
@@ -30,15 +33,15 @@ mod law;
 mod motion;
 mod one_each;
 mod polish;
-mod posterior;
+pub mod posterior;
 mod row;
 pub mod score;
-mod search;
+pub mod search;
 mod settle;
 mod sliding;
 mod specimen;
 mod unknowns;
-mod verdict;
+pub mod verdict;
 
 pub use actuator::{ActuatorChannel, actuator};
 pub use asked::{Asked, Found, OfOneName};
@@ -112,10 +115,10 @@ fn nameless(
 fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
-    found: &[search::Scored],
+    found: &[beam::Scored],
 ) -> Option<Vec<SpecimenModelFit>> {
     let best = found.first()?.evidence.score();
-    let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
+    let near = |s: &&beam::Scored| s.evidence.score() > best - FAR_BELOW;
     let term = |&a: &usize| Term::of(&atoms[a]);
     let mut starts: Vec<Vec<Term>> = found
         .iter()
@@ -127,7 +130,7 @@ fn polished(
     let singles = found
         .iter()
         .filter(|s| s.atoms.len() == 1)
-        .take(search::ALONE);
+        .take(beam::ALONE);
     for single in singles.map(|s| s.atoms.iter().map(term).collect::<Vec<_>>()) {
         if !starts.contains(&single) {
             starts.push(single);

@@ -3,11 +3,30 @@
 use super::score::Evidence;
 use plant::{Effect, Family};
 
+/// What may be missing.
+pub trait Name: Copy + Eq {
+    /// Its place among all of them.
+    fn place(self) -> usize;
+
+    /// The family that it is of, where it is of one.
+    fn family(self) -> Option<Family>;
+}
+
+impl Name for Effect {
+    fn place(self) -> usize {
+        self as usize
+    }
+
+    fn family(self) -> Option<Family> {
+        Some(self.entry().family)
+    }
+}
+
 /// A model with its names; none: the declared one.
 #[derive(Clone, Debug)]
-pub struct Candidate<M> {
+pub struct Candidate<M, N = Effect> {
     /// The names, rising, each once.
-    pub names: Vec<Effect>,
+    pub names: Vec<N>,
     /// Free functions are beside the names.
     pub nameless: bool,
     /// What speaks for it.
@@ -18,20 +37,20 @@ pub struct Candidate<M> {
 
 /// Models, one of each set of names, with their probabilities; the likeliest first.
 #[derive(Clone, Debug)]
-pub struct Posterior<M> {
+pub struct Posterior<M, N = Effect> {
     /// All of them.
-    pub models: Vec<(Candidate<M>, f64)>,
+    pub models: Vec<(Candidate<M, N>, f64)>,
 }
 
-impl<M: Clone> Posterior<M> {
+impl<M: Clone, N: Name> Posterior<M, N> {
     /// Of these models.
-    pub fn of(mut all: Vec<Candidate<M>>) -> Self {
-        let score = |c: &Candidate<M>| c.evidence.score();
+    pub fn of(mut all: Vec<Candidate<M, N>>) -> Self {
+        let score = |c: &Candidate<M, N>| c.evidence.score();
         all.retain(|c| score(c).is_finite());
         all.sort_by(|a, b| score(b).total_cmp(&score(a)));
-        let mut kept: Vec<Candidate<M>> = Vec::new();
+        let mut kept: Vec<Candidate<M, N>> = Vec::new();
         for c in all {
-            let same = |k: &Candidate<M>| (&k.names, k.nameless) == (&c.names, c.nameless);
+            let same = |k: &Candidate<M, N>| (&k.names, k.nameless) == (&c.names, c.nameless);
             if !kept.iter().any(same) {
                 kept.push(c);
             }
@@ -46,21 +65,21 @@ impl<M: Clone> Posterior<M> {
     }
 
     /// How probable it is that a name is in the rig.
-    pub fn name(&self, name: Effect) -> f64 {
+    pub fn name(&self, name: N) -> f64 {
         let with = self.models.iter().filter(|(c, _)| c.names.contains(&name));
         with.map(|(_, w)| w).sum()
     }
 
     /// All names with their probabilities, the likeliest first.
-    pub fn names(&self) -> Vec<(Effect, f64)> {
-        let mut all: Vec<Effect> = self
+    pub fn names(&self) -> Vec<(N, f64)> {
+        let mut all: Vec<N> = self
             .models
             .iter()
             .flat_map(|(c, _)| c.names.clone())
             .collect();
-        all.sort_by_key(|n| *n as usize);
+        all.sort_by_key(|n| n.place());
         all.dedup();
-        let mut with: Vec<(Effect, f64)> = all.into_iter().map(|n| (n, self.name(n))).collect();
+        let mut with: Vec<(N, f64)> = all.into_iter().map(|n| (n, self.name(n))).collect();
         with.sort_by(|a, b| b.1.total_cmp(&a.1));
         with
     }
@@ -71,14 +90,14 @@ impl<M: Clone> Posterior<M> {
     }
 
     /// The same if there are as many names as the fewest of a model that `does`; `None` where none does.
-    pub fn with_as_few_names(&self, does: impl Fn(&Candidate<M>) -> bool) -> Option<Self> {
+    pub fn with_as_few_names(&self, does: impl Fn(&Candidate<M, N>) -> bool) -> Option<Self> {
         let enough = self.models.iter().map(|m| &m.0);
         let enough = enough.filter(|c| !c.names.is_empty() && does(c));
         let fewest = enough.map(|c| c.names.len()).min()?;
         Some(self.only(|c| c.names.len() == fewest))
     }
 
-    fn only(&self, of: impl Fn(&Candidate<M>) -> bool) -> Self {
+    fn only(&self, of: impl Fn(&Candidate<M, N>) -> bool) -> Self {
         let kept = self.models.iter().filter(|m| of(&m.0));
         let whole: f64 = kept.clone().map(|m| m.1).sum();
         let models = kept.map(|(c, w)| (c.clone(), w / whole.max(f64::MIN_POSITIVE)));
@@ -88,8 +107,8 @@ impl<M: Clone> Posterior<M> {
     }
 
     /// The share of what any model takes from the declared one, in the logarithm of the squares, that this one takes.
-    pub fn explained(&self, by: &Candidate<M>) -> f64 {
-        let density = |c: &Candidate<M>| c.evidence.log_density;
+    pub fn explained(&self, by: &Candidate<M, N>) -> f64 {
+        let density = |c: &Candidate<M, N>| c.evidence.log_density;
         let most = self.models.iter().map(|m| density(&m.0));
         let most = most.fold(f64::NEG_INFINITY, f64::max);
         self.declared().map_or(0.0, |declared| {
@@ -100,7 +119,7 @@ impl<M: Clone> Posterior<M> {
 
     /// How probable it is that names of this family are in the rig, any of them.
     pub fn family(&self, family: Family) -> f64 {
-        let of = |n: &Effect| n.entry().family == family;
+        let of = |n: &N| n.family() == Some(family);
         let with = self.models.iter().filter(|(c, _)| c.names.iter().any(of));
         with.map(|(_, w)| w).sum()
     }
@@ -112,8 +131,8 @@ impl<M: Clone> Posterior<M> {
     }
 
     /// The best model without any name.
-    pub fn declared(&self) -> Option<&Candidate<M>> {
-        let plain = |c: &&Candidate<M>| c.names.is_empty() && !c.nameless;
+    pub fn declared(&self) -> Option<&Candidate<M, N>> {
+        let plain = |c: &&Candidate<M, N>| c.names.is_empty() && !c.nameless;
         self.models.iter().map(|m| &m.0).find(plain)
     }
 }

@@ -64,6 +64,16 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Of a model that leaves nothing but noise, and against which every sample by itself says so much, nats.
+    pub fn of_samples(against: f64, price: f64) -> Self {
+        Self {
+            left: [0.0; BLOCKS],
+            log_density: -0.5 * NU * (EPS * EPS).ln(),
+            price,
+            against,
+        }
+    }
+
     /// The score, nats.
     pub fn score(&self) -> f64 {
         self.log_density - self.price - self.against

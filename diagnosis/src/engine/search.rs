@@ -1,24 +1,15 @@
-//! The one search: every law alone, the best with every other, three and four together; then one less, or another in place of one.
+//! Sets of laws by the products of their columns, for the [`Beam`].
 
+use super::beam::{Beam, Scored};
 use super::gram::{Grams, Tie};
-use super::score::{BLOCKS, Evidence, Score};
+use super::score::{BLOCKS, Score};
 use crate::linear::Bound;
 use plant::Family;
-use rayon::prelude::*;
 
 /// Declared parameters of a channel.
 pub use crate::specimen::DECLARED;
 /// Terms at most in one model.
 pub const MOST_TERMS: usize = 4;
-/// Shapes of each law that are carried on beside others.
-const SHAPES: usize = 2;
-/// Models of one term that others are put beside, of two, and of three.
-const CARRIED: [usize; 3] = [10, 8, 4];
-/// Models of one term that are kept in any case: alone a law may be further from its shape in the grid than two that share what it
-/// does.
-pub const ALONE: usize = 24;
-/// Models that are kept at the end.
-const KEPT: usize = 60;
 
 /// A law at one shape, with its columns.
 #[derive(Clone, Debug)]
@@ -47,7 +38,12 @@ pub fn price_of_many(families: &[Family]) -> f64 {
     for i in 0..n {
         kin += usize::from(families[..i].contains(&families[i]));
     }
-    1.5 * ((n - 1) as f64).powf(1.5) + 2.5 * kin as f64
+    price_of_more(n) + 2.5 * kin as f64
+}
+
+/// What so many terms cost beside each by itself.
+pub fn price_of_more(terms: usize) -> f64 {
+    1.5 * (terms.saturating_sub(1) as f64).powf(1.5)
 }
 
 /// Everything that is searched.
@@ -63,17 +59,6 @@ pub struct Search<'a> {
     pub ties: Vec<Tie>,
     /// The measure.
     pub score: &'a Score,
-}
-
-/// A model of the search.
-#[derive(Clone, Debug)]
-pub struct Scored {
-    /// Places of its atoms, rising.
-    pub atoms: Vec<usize>,
-    /// What speaks for it.
-    pub evidence: Evidence,
-    /// What it leaves on each block, fitted to all.
-    pub left: [f64; BLOCKS],
 }
 
 impl Search<'_> {
@@ -106,120 +91,28 @@ impl Search<'_> {
         })
     }
 
-    fn all(&self, sets: Vec<Vec<usize>>, first: &[f64; BLOCKS]) -> Vec<Scored> {
-        sets.into_par_iter()
-            .filter_map(|s| self.scored(s, first))
-            .collect()
-    }
-
-    fn rows(&self, atoms: &[usize]) -> Vec<usize> {
-        let mut rows: Vec<usize> = atoms.iter().map(|&a| self.atoms[a].row).collect();
-        rows.sort_unstable();
-        rows
-    }
-
-    /// Best first, one of each set of rows.
-    fn best(&self, mut all: Vec<Scored>, most: usize) -> Vec<Scored> {
-        all.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
-        let mut seen: Vec<Vec<usize>> = Vec::new();
-        all.retain(|s| {
-            let rows = self.rows(&s.atoms);
-            let new = !seen.contains(&rows);
-            if new && seen.len() < most {
-                seen.push(rows);
-                return true;
-            }
-            false
-        });
-        all
-    }
-
-    /// Models of one term, one for each shape, and what their fits begin with; `None` where the declared model has no fit.
-    fn singles(&self) -> Option<(Scored, Vec<Scored>, [f64; BLOCKS])> {
+    /// The search, and what the declared model is; `None` where that has no fit.
+    fn beam(&self) -> Option<(Scored, Beam<'_>)> {
         let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
         let empty = self.scored(Vec::new(), &even)?;
+        // What the fits begin with.
         let first = self.score.weights(&empty.left);
-        let singles = self.all((0..self.atoms.len()).map(|a| vec![a]).collect(), &first);
-        Some((empty, singles, first))
+        let beam = Beam {
+            laws: self.atoms.iter().map(|a| a.row).collect(),
+            most: MOST_TERMS,
+            scored: Box::new(move |set| self.scored(set, &first)),
+        };
+        Some((empty, beam))
     }
 
     /// Models of one term, one for each law; best first.
     pub fn alone(&self) -> Vec<Scored> {
-        self.singles()
-            .map_or_else(Vec::new, |(_, singles, _)| self.best(singles, usize::MAX))
+        self.beam().map_or_else(Vec::new, |(_, beam)| beam.alone())
     }
 
     /// Runs; best first, the empty model among them.
     pub fn run(&self) -> Vec<Scored> {
-        let Some((empty, singles, first)) = self.singles() else {
-            return Vec::new();
-        };
-        let beside = self.beside(&singles);
-        let mut found = vec![empty];
-        let mut leading = self.best(singles, usize::MAX);
-        let alone: Vec<Scored> = leading.iter().take(ALONE).cloned().collect();
-        for carried in CARRIED {
-            let from: Vec<Scored> = leading.iter().take(carried).cloned().collect();
-            found.extend(leading);
-            let mut sets: Vec<Vec<usize>> = Vec::new();
-            for s in &from {
-                sets.extend(beside.iter().filter_map(|&b| self.with(&s.atoms, b)));
-            }
-            sets.sort();
-            sets.dedup();
-            leading = self.best(self.all(sets, &first), 4 * carried);
-        }
-        found.extend(leading);
-        let found = self.best(found, KEPT);
-        let swapped = self.swapped(&found, &beside, &first);
-        let mut all = self.best(found.into_iter().chain(swapped).collect(), KEPT);
-        let left_out = |a: &Scored| !all.iter().any(|s| s.atoms == a.atoms);
-        let left_out: Vec<Scored> = alone.into_iter().filter(left_out).collect();
-        all.extend(left_out);
-        all
-    }
-
-    /// The best shapes of each law alone.
-    fn beside(&self, singles: &[Scored]) -> Vec<usize> {
-        let mut order: Vec<&Scored> = singles.iter().collect();
-        order.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
-        let mut count = std::collections::BTreeMap::new();
-        let mut kept = Vec::new();
-        for s in order {
-            let own = count.entry(self.atoms[s.atoms[0]].row).or_insert(0);
-            *own += 1;
-            if *own <= SHAPES {
-                kept.push(s.atoms[0]);
-            }
-        }
-        kept
-    }
-
-    /// A set with one atom more, where it has none of that law.
-    fn with(&self, atoms: &[usize], more: usize) -> Option<Vec<usize>> {
-        let row = self.atoms[more].row;
-        if atoms.iter().any(|&a| self.atoms[a].row == row) || atoms.len() >= MOST_TERMS {
-            return None;
-        }
-        let mut set = atoms.to_vec();
-        set.push(more);
-        set.sort_unstable();
-        Some(set)
-    }
-
-    /// The leading models with one term less, or with another in place of one.
-    fn swapped(&self, found: &[Scored], beside: &[usize], first: &[f64; BLOCKS]) -> Vec<Scored> {
-        let mut sets = Vec::new();
-        for s in found.iter().take(6).filter(|s| s.atoms.len() > 1) {
-            for out in 0..s.atoms.len() {
-                let mut fewer = s.atoms.clone();
-                fewer.remove(out);
-                sets.extend(beside.iter().filter_map(|&b| self.with(&fewer, b)));
-                sets.push(fewer);
-            }
-        }
-        sets.sort();
-        sets.dedup();
-        self.all(sets, first)
+        self.beam()
+            .map_or_else(Vec::new, |(empty, beam)| beam.run(empty))
     }
 }

@@ -1,5 +1,6 @@
 //! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
 
+use super::beam::Scored;
 use super::bounded::Equations;
 use super::cutoff;
 use super::gram::{Grams, Tie};
@@ -7,7 +8,7 @@ use super::law::table;
 use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
 use super::score::{Evidence, Score, edges};
-use super::search::{Atom, DECLARED, Scored, Search};
+use super::search::{Atom, DECLARED, Search};
 use crate::base::Base;
 use crate::input;
 use crate::linear::{Bound, dot};

@@ -1,6 +1,6 @@
 //! The decision, on one screen: three thresholds on a posterior, which nothing rewrites.
 
-use super::posterior::{Candidate, Posterior};
+use super::posterior::{Candidate, Name, Posterior};
 use plant::{Effect, Family};
 
 /// Structure below the first share of the noise is nothing. Where no rest tells the noise, below the second, too, unless a model
@@ -29,17 +29,17 @@ pub const UNEXPLAINED: f64 = 0.45;
 pub const NOT_IN_THE_TABLE: [f64; 2] = [0.04, 0.2];
 
 /// Names, each with its probability, the likeliest first.
-pub type Probabilities = Vec<(Effect, f64)>;
+pub type Probabilities<N = Effect> = Vec<(N, f64)>;
 
 /// Names without which nothing is said, taken as a whole.
 #[derive(Clone, Debug)]
-pub struct Named<M> {
+pub struct Named<M, N = Effect> {
     /// The likeliest model that has them.
-    pub model: Candidate<M>,
+    pub model: Candidate<M, N>,
     /// The names, each with its probability.
-    pub names: Probabilities,
+    pub names: Probabilities<N>,
     /// One of these stands beside them, too.
-    pub beside: Probabilities,
+    pub beside: Probabilities<N>,
     /// They are not all: something else is there, with a name or without.
     pub more: bool,
     /// They alone do most of what the model does; else what is open beside them is the larger part.
@@ -48,19 +48,19 @@ pub struct Named<M> {
 
 /// What can be said of a channel.
 #[derive(Clone, Debug)]
-pub enum Said<M> {
+pub enum Said<M, N = Effect> {
     /// Nothing is missing.
     Nothing,
     /// These names are in it.
-    Names(Named<M>),
+    Names(Named<M, N>),
     /// One of these is in it.
-    Set(Candidate<M>, Probabilities),
+    Set(Candidate<M, N>, Probabilities<N>),
     /// Something is, and no name can be given; the likeliest one's model.
-    Unknown(Option<Candidate<M>>),
+    Unknown(Option<Candidate<M, N>>),
 }
 
 /// What a posterior allows to be said. What counts as nothing, over the noise: in any case, and where no model speaks against it.
-pub fn verdict<M: Clone>(posterior: &Posterior<M>, nothing: [f64; 2]) -> Said<M> {
+pub fn verdict<M: Clone, N: Name>(posterior: &Posterior<M, N>, nothing: [f64; 2]) -> Said<M, N> {
     if posterior
         .declared()
         .is_some_and(|c| is_nothing(posterior, c, nothing))
@@ -91,9 +91,9 @@ pub fn verdict<M: Clone>(posterior: &Posterior<M>, nothing: [f64; 2]) -> Said<M>
     }
 }
 
-fn is_nothing<M: Clone>(
-    posterior: &Posterior<M>,
-    declared: &Candidate<M>,
+fn is_nothing<M: Clone, N: Name>(
+    posterior: &Posterior<M, N>,
+    declared: &Candidate<M, N>,
     [sure, most]: [f64; 2],
 ) -> bool {
     let best = posterior.models.first().map(|m| m.0.evidence.score());
@@ -103,11 +103,11 @@ fn is_nothing<M: Clone>(
 }
 
 /// Names that are sure, with the model that has them.
-fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
+fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     let mut names = posterior.names();
     names.retain(|n| n.1 >= SURE);
-    let only: Vec<Effect> = names.iter().map(|n| n.0).collect();
-    let has = |c: &&Candidate<M>| !c.nameless && only.iter().all(|n| c.names.contains(n));
+    let only: Vec<N> = names.iter().map(|n| n.0).collect();
+    let has = |c: &&Candidate<M, N>| !c.nameless && only.iter().all(|n| c.names.contains(n));
     let all = || posterior.models.iter().map(|m| &m.0).filter(has);
     if only.is_empty() {
         return None;
@@ -115,7 +115,7 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
     let best = all().next()?;
     // The model of exactly these names, unless it lacks what is there beside them.
     let exact = all().find(|c| c.names.len() == only.len());
-    let near = |c: &&Candidate<M>| best.evidence.score() - c.evidence.score() < LACKS;
+    let near = |c: &&Candidate<M, N>| best.evidence.score() - c.evidence.score() < LACKS;
     let lead = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
     let model = exact.filter(near).unwrap_or(best).clone();
     let more = model.names.len() > only.len();
@@ -132,34 +132,34 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
 }
 
 /// The smallest set of names one of which is in the rig with enough probability; else those of a family that is sure.
-fn set<M: Clone>(posterior: &Posterior<M>) -> Option<(Candidate<M>, Probabilities)> {
+fn set<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<(Candidate<M, N>, Probabilities<N>)> {
     let names = posterior.names();
-    let holds = |set: &[(Effect, f64)]| {
-        let hit = |c: &Candidate<M>| set.iter().any(|n| c.names.contains(&n.0));
+    let holds = |set: &[(N, f64)]| {
+        let hit = |c: &Candidate<M, N>| set.iter().any(|n| c.names.contains(&n.0));
         let all = posterior.models.iter().filter(|m| hit(&m.0));
         all.map(|m| m.1).sum::<f64>() >= SET
     };
     let smallest = (1..=names.len().min(LARGEST_SET)).find(|n| holds(&names[..*n]));
     let set = smallest.filter(|n| *n > 1).map(|n| names[..n].to_vec());
     let set = set.or_else(|| plain_family(posterior, &names))?;
-    let has = |c: &&Candidate<M>| !c.nameless && c.names.contains(&set[0].0);
+    let has = |c: &&Candidate<M, N>| !c.nameless && c.names.contains(&set[0].0);
     let model = posterior.models.iter().map(|m| &m.0).find(has)?;
     Some((model.clone(), set))
 }
 
 /// Names of one family, where the family is sure and none of its names is.
-fn plain_family<M: Clone>(
-    posterior: &Posterior<M>,
-    names: &[(Effect, f64)],
-) -> Option<Probabilities> {
-    let mut families: Vec<Family> = names.iter().map(|n| n.0.entry().family).collect();
+fn plain_family<M: Clone, N: Name>(
+    posterior: &Posterior<M, N>,
+    names: &[(N, f64)],
+) -> Option<Probabilities<N>> {
+    let mut families: Vec<Family> = names.iter().filter_map(|n| n.0.family()).collect();
     families.sort_by_key(|f| *f as usize);
     families.dedup();
     let sure = families
         .into_iter()
         .find(|f| posterior.family(*f) >= SURE)?;
-    let mut own: Probabilities = names.to_vec();
-    own.retain(|n| n.0.entry().family == sure);
+    let mut own: Probabilities<N> = names.to_vec();
+    own.retain(|n| n.0.family() == Some(sure));
     own.truncate(LARGEST_SET);
     (own.len() > 1).then_some(own)
 }
