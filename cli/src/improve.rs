@@ -234,7 +234,8 @@ fn closing_tests(
     let limited = with_limits(model, test);
     while designed.len() < DESIGNED {
         let found = designed.last().map_or(first, |d| &d.diagnosis);
-        if !found.channels.iter().any(is_open) {
+        if !found.channels.iter().any(ChannelAnswer::is_open) {
+            changes.extend(diagnosis::why_no_test(found));
             break;
         }
         // Where no motion inside the limits would be more informative, none is made.
@@ -311,9 +312,13 @@ fn worth_acting_on(
             anything |= refitted || !c.effects.is_empty();
             continue;
         };
+        let settled = if c.is_beyond_tests() {
+            ""
+        } else {
+            "; --next settles it (outerloop diagnose)"
+        };
         left.push(format!(
-            "{} of the {} is not acted on: with {} it is false, and the first test, {} off, is not that bad; --next settles it \
-             (outerloop diagnose)",
+            "{} of the {} is not acted on: with {} it is false, and the first test, {} off, is not that bad{settled}",
             effect.name,
             c.channel.name(),
             percent(doubt),
@@ -352,13 +357,6 @@ fn or_nothing(names: &[&str]) -> String {
 
 /// Designed tests at most: what two do not settle is not settled by motion.
 pub const DESIGNED: usize = 2;
-/// True if a diagnosis has left something open.
-fn is_open(a: &ChannelAnswer) -> bool {
-    matches!(
-        a.verdict,
-        Verdict::Ambiguous | Verdict::Partial | Verdict::Unknown
-    )
-}
 
 /// The model with the limits that the test states, where it has none of its own.
 fn with_limits(model: &Model, test: &TestFile) -> Model {

@@ -60,8 +60,8 @@ pub fn four(x: f64) -> String {
     format!("{x:.places$}")
 }
 
-/// Of a name that is the error of a declared parameter: whether the refitted parameter holds it already, as in a joint search, or
-/// it acts on the refitted value.
+/// Of a name that is the error of a declared parameter: whether the refitted parameter holds it already, as in the engine's
+/// answers, or it acts on the refitted value.
 pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     let channel = answer.channel;
     let of = |e: &FoundEffect| {
@@ -100,6 +100,11 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let said = match answer.verdict {
+        Verdict::None if answer.ordinary => format!(
+            "Nothing is missing: an ordinary ram, whose valve, oil and seals leave {:.2} % of the motion beyond its delay and lag, \
+             {before:.4} {unit} rms.",
+            100.0 * answer.error_before.test_nrmse
+        ),
         Verdict::None => format!(
             "No law of the table and no parameter outside its tolerance is worth its price: what is left is {before:.4} {unit} \
              rms."

@@ -133,7 +133,8 @@ fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
     };
     Some(format!(
         "{}: {} single samples of the {what} {reads}, the first at {:.3} s: dropouts, of a loose contact or of lost packets. They \
-         are judged as if the rig had moved so: leave them out of the file, or mend the cause and record again.",
+         are judged as if the rig had moved so. Keep the file; a copy without their rows marks them as not measured. Mend the cause \
+         before the next record.",
         r.name,
         found.len(),
         r.time_s[first]
@@ -159,7 +160,7 @@ fn dead(r: &Recording, what: &str, input: &[f64], output: &[f64]) -> Option<Stri
     }
     Some(format!(
         "{}: {what} stands at {} from {:.3} s to {:.3} s while its input moves by {moved:.4} mm: is the transducer dead there, \
-         or at its rail? Leave that part out of the span.",
+         or at its rail? If so, keep the file and judge spans without that part (FILE@T0..T1).",
         r.name,
         output[longest.start],
         r.time_s[longest.start],
@@ -290,14 +291,15 @@ mod tests {
             hits.len() == 1 && hits[0].contains("loose clevis"),
             "{hits:?}"
         );
-        assert!(!hits[0].contains("leave them out"));
         // Samples that drop out anywhere are dropouts.
         let dropped = said(|r| {
             let f = r.force_n.as_mut().unwrap();
             (0..40).for_each(|i| f[517 + 211 * i] += 700.0);
         });
         assert!(
-            dropped.iter().any(|s| s.contains("dropouts")),
+            dropped
+                .iter()
+                .any(|s| s.contains("dropouts") && s.contains("Keep the file")),
             "{dropped:?}"
         );
     }

@@ -36,15 +36,6 @@ pub struct FoundParameter {
     pub ci90: [f64; 2],
 }
 
-/// What speaks for a name, on data left out block by block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Certificate {
-    /// How many times the squares the best rival of any other kind or family, or a free function, leaves in its place.
-    pub rivals_leave: f64,
-    /// Share of the squares that it still takes beside an unnamed rest of all other kinds; none of an actuator's.
-    pub beside_the_rest: Option<f64>,
-}
-
 /// An effect that was found.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FoundEffect {
@@ -57,8 +48,6 @@ pub struct FoundEffect {
     pub q: Option<f64>,
     /// How probable it is that the rig has it: `1 - q` of a name, of the preferred member of a set its share.
     pub p: Option<f64>,
-    /// What `q` was read off.
-    pub certificate: Option<Certificate>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
 }
@@ -83,7 +72,6 @@ impl FoundEffect {
             family: name.entry().family,
             q: None,
             p: None,
-            certificate: None,
             parameters: parameters.into_iter().map(parameter).collect(),
         }
     }
@@ -247,17 +235,6 @@ impl Errors {
     };
 }
 
-/// How far an effect got.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Tried {
-    /// Its name.
-    pub name: Effect,
-    /// rms of what is left with it, in the channel's unit.
-    pub rms_left: f64,
-    /// By how much the Bayesian information criterion falls with it; above 30 it is considered.
-    pub bic_gain: f64,
-}
-
 /// Measured and modelled values over time, for pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traces {
@@ -299,8 +276,13 @@ pub struct ChannelAnswer {
     pub alternatives: Vec<Effect>,
     /// Where it is ambiguous, how probable each member of the set is, the preferred one first.
     pub members: Vec<Member>,
-    /// How probable it is that something is missing that has no name here; none where there is no verdict.
+    /// How probable it is that something is missing that has no name here, as the search of the training data has it; none where no
+    /// rival without a name was asked: of an actuator, where the converter's steps are all that is left, and without a verdict.
     pub unnamed: Option<f64>,
+    /// Whether `none` is said since what is left is what any sound position loop leaves beyond its delay and lag: an ordinary ram.
+    pub ordinary: bool,
+    /// Whether what is left is mostly made by something outside these channels: a disturbance, or an input that is not recorded.
+    pub disturbed: bool,
     /// What comes nearest, where nothing is near enough.
     pub nearest: Option<Nearest>,
     /// rms of the noise.
@@ -327,8 +309,6 @@ pub struct ChannelAnswer {
     pub remainder: Option<Remainder>,
     /// What else is to be said.
     pub notes: Vec<String>,
-    /// Effects tried, best first.
-    pub tried: Vec<Tried>,
     /// Declared parameters as refitted, by name.
     pub refitted: Vec<Refitted>,
     /// Held-out data, for pictures.
@@ -338,4 +318,20 @@ pub struct ChannelAnswer {
     /// looked at.
     #[serde(skip)]
     pub(crate) residuals: [Vec<Vec<f64>>; 2],
+}
+
+impl ChannelAnswer {
+    /// Whether it leaves open what another test may tell.
+    pub fn is_open(&self) -> bool {
+        match self.verdict {
+            Verdict::Ambiguous => true,
+            Verdict::Partial | Verdict::Unknown => !self.disturbed,
+            Verdict::None | Verdict::Effect | Verdict::NotAssessed => false,
+        }
+    }
+
+    /// Whether it leaves open what no motion of the rig tells, since the motion does not make it.
+    pub fn is_beyond_tests(&self) -> bool {
+        self.disturbed && matches!(self.verdict, Verdict::Partial | Verdict::Unknown)
+    }
 }

@@ -6,8 +6,6 @@ pub mod coordinates;
 pub mod records;
 pub mod specimen;
 
-use crate::answer::Verdict;
-
 /// Contiguous blocks of the training data; each is left out once. Fewer leave too little to learn from, more are shorter
 /// than what a rig remembers.
 pub const BLOCKS: usize = 6;
@@ -49,16 +47,6 @@ pub const FRICTION_SPEED: f64 = 0.08;
 pub const WORTH_A_NAME: f64 = 0.05;
 /// Two causes are told apart where the wrong one leaves so many times the squares.
 pub const CERTAIN: f64 = 2.0;
-/// Share of answers with a verdict beside or behind which something was missing that they did not name: `k + 1` of `n + 2`, of
-/// the specimens of 37 rigs that somebody else simulated and tried blind, as a laboratory would (1 of 9, 1 of 10, 0 of 5, 8 of 8
-/// and 5 of 8).
-pub const UNNAMED: [(Verdict, f64); 5] = [
-    (Verdict::None, 0.18),
-    (Verdict::Effect, 0.17),
-    (Verdict::Ambiguous, 0.14),
-    (Verdict::Partial, 0.9),
-    (Verdict::Unknown, 0.6),
-];
 /// Expected share of false names that were given without a probability.
 pub const LEAST_SURE: f64 = 0.4;
 /// Expected share of false names of a line that stands in the rest.

@@ -87,6 +87,8 @@ pub fn diagnose(
         refit::state_probabilities(&mut answer);
         channel.state_refit(&mut answer, &mut improved);
         channel.save_nearest(&answer, &mut improved);
+        // Hum, steps of the converter or a disturbance beside it are something.
+        answer.ordinary &= answer.verdict == Verdict::None;
         correct_errors(&mut answer, train, test);
         channels.push(answer);
     }
@@ -141,6 +143,8 @@ impl ChannelDiagnosis<'_> {
             alternatives: Vec::new(),
             members: Vec::new(),
             unnamed: None,
+            ordinary: false,
+            disturbed: false,
             nearest: None,
             noise_floor_rms: 0.0,
             unit: if self.base.channel == Channel::Actuator {
@@ -158,7 +162,6 @@ impl ChannelDiagnosis<'_> {
             next_error_ci90: None,
             remainder: None,
             notes: Vec::new(),
-            tried: Vec::new(),
             refitted: Vec::new(),
             traces: Traces::default(),
             residuals: Default::default(),

@@ -136,7 +136,6 @@ mod tests {
             family: name.entry().family,
             q: None,
             p: None,
-            certificate: None,
             parameters: parameters.iter().map(parameter).collect(),
         }
     }

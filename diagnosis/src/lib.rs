@@ -53,8 +53,8 @@ mod wear;
 mod witness;
 
 pub use answer::{
-    Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,
-    Member, Nearest, Range, Refitted, Remainder, Share, Traces, Tried, Verdict,
+    ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line, Member,
+    Nearest, Range, Refitted, Remainder, Share, Traces, Verdict,
 };
 pub use channel::ChannelModel;
 pub use coupled::{
@@ -66,7 +66,9 @@ pub use diagnose::{Diagnosis, diagnose};
 pub use dial::{DialNumber, Dose, Turned, turned};
 pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
-pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next};
+pub use next::{
+    Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next, why_no_test,
+};
 pub use recording::{FEWEST_SAMPLES, Recording};
 pub use refusal::Refusal;
 pub use saved_element::SavedElement;

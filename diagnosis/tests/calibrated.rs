@@ -200,10 +200,7 @@ impl Count {
                 c.named += 1;
                 if !families.contains(&e.name.entry().family) {
                     c.false_names += 1;
-                    println!(
-                        "false: {cause:?}: {} {:?} {:?}",
-                        e.name, a.verdict, e.certificate
-                    );
+                    println!("false: {cause:?}: {} {:?}", e.name, a.verdict);
                 }
             }
         }

@@ -1,5 +1,5 @@
 //! Actuators of other equations than the library's, without a rest and in mid-motion from the first sample: what the
-//! joint search says of them.
+//! engine says of them.
 #![allow(missing_docs)]
 
 use diagnosis::{ActuatorModel, ChannelAnswer, Declared, Model, Recording, Verdict, diagnose};

@@ -5,7 +5,7 @@
 #[allow(dead_code, reason = "each file of tests uses a part of it")]
 mod rig;
 
-use diagnosis::{Declared, Model, Recording, Verdict, diagnose};
+use diagnosis::{Declared, Model, Recording, Verdict, diagnose, next, why_no_test};
 use plant::{Effect, EffectSpec};
 use rig::{RATE_HZ, model, record};
 use std::f64::consts::TAU;
@@ -40,6 +40,31 @@ fn a_held_out_record_longer_than_the_training_record_is_judged_with_its_lines() 
         lines.iter().any(|l| (l.frequency_hz - 23.0).abs() < 0.5),
         "{lines:?}"
     );
+}
+
+#[test]
+fn of_a_disturbance_in_the_rest_no_test_is_designed_and_that_is_said() {
+    let [train, test] = [1, 2].map(|seed| {
+        let mut r = record(&[], TRUTH, seed);
+        hums(&mut r.force_n, 23.0, 60.0);
+        [r]
+    });
+    // Beside an actuator that leaves nothing open, too.
+    for declared in [specimen_only(), model()] {
+        let d = diagnose(&declared, &train, &test, &[]).unwrap();
+        let a = d.channels.last().unwrap();
+        assert_eq!(a.verdict, Verdict::Unknown, "{:?}", a.notes);
+        assert!(a.disturbed, "{:?}", a.notes);
+        let refused = next(&declared, &d, &train, &test).unwrap_err().to_string();
+        assert!(refused.contains("no test is proposed"), "{refused}");
+        assert_eq!(why_no_test(&d), Some(refused));
+    }
+    // It is the disturbance that keeps the test back, and not the verdict.
+    let d = diagnose(&specimen_only(), &train, &test, &[]).unwrap();
+    let mut open = d.clone();
+    open.channels[0].disturbed = false;
+    assert_eq!(why_no_test(&open), None);
+    assert!(next(&specimen_only(), &open, &train, &test).is_ok());
 }
 
 #[test]

@@ -24,6 +24,8 @@ fn a_refit_is_saved_where_nothing_is_added_and_does_not_walk() {
     let d = diagnose(&model(), &train, &test, &[]).unwrap();
     let actuator = &d.channels[0];
     assert_eq!(actuator.verdict, Verdict::None, "{:?}", actuator.notes);
+    // What it leaves is noise, and no oil and valve.
+    assert!(!actuator.ordinary, "{:?}", actuator.notes);
     let own = actuator
         .refitted
         .iter()
@@ -125,5 +127,7 @@ fn each_name_has_a_probability() {
             .iter()
             .all(|e| e.p.is_some_and(|p| (0.0..=1.0).contains(&p)))
     );
-    assert!(a.unnamed.is_some());
+    // Free functions are asked of a specimen; of an actuator nothing without a name is.
+    assert!(a.unnamed.is_some_and(|p| (0.0..=1.0).contains(&p)));
+    assert_eq!(d.channels[0].unnamed, None);
 }

@@ -17,6 +17,7 @@
 //! An effect follows either [`Equations::Matched`], the textbook form of the effect list, or [`Equations::Unseen`]:
 //! another model of the same physics (LuGre for Coulomb, Iwan for a bilinear element, two Maxwell branches for one, ...).
 
+pub mod aims;
 mod case;
 mod class;
 mod declared;

@@ -6,7 +6,7 @@
 mod sit;
 
 use exam::devices::{devices, set_device};
-use exam::field::{Field, Mark, causes, set_field, set_ram};
+use exam::field::{Field, Mark, SOUND_RAM, causes, set_field, set_ram};
 use rayon::prelude::*;
 use sit::{Sat, answer, model, recordings};
 
@@ -70,9 +70,12 @@ fn each_device_of_earthquake_laboratories_once_gets_no_wrong_name() {
 #[test]
 fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let all = all(set_ram, 100..124);
-    let sound = |s: &&Sat| s.cause == "a sound ram";
+    let sound = |s: &&Sat| s.cause == SOUND_RAM;
     let [quiet, others] =
         [true, false].map(|wanted| all.iter().filter(move |s| sound(s) == wanted));
+    let ordinary = |s: &Sat| s.notes.iter().any(|n| n.contains("an ordinary ram"));
+    assert!(quiet.clone().any(ordinary));
+    assert!(all.iter().all(|s| !ordinary(s) || s.said.verdict == "none"));
     // One of them reaches the largest speed of its valve.
     let right = |s: &&Sat| matches!(s.mark, Mark::Right | Mark::Set);
     assert!(quiet.filter(right).count() >= 11);

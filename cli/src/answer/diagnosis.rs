@@ -1,4 +1,4 @@
-//! A diagnosis: the verdict, what is left before and after, the loops, what was tried.
+//! A diagnosis: the verdict, what is left before and after, the loops, what the rest depends on.
 
 use super::witness::{self, Witness};
 use super::{dial, next};
@@ -11,9 +11,6 @@ use crate::wording::{
 use diagnosis::{ChannelAnswer, Diagnosis, Next, Traces, Turned, Verdict};
 use experiment::numbers::percent;
 use plant::Channel;
-
-/// Effects that are listed as tried.
-const LISTED: usize = 10;
 
 /// A diagnosis and what stands beside it.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +51,6 @@ pub fn of_diagnosis(s: &DiagnosisSection<'_>, with_page: bool) -> Document {
     for c in channels {
         pictures(&mut d, c);
         shares(&mut d, c);
-        tried(&mut d, c);
     }
     witness::section(&mut d, s.witnesses);
     dial::section(&mut d, s.dial);
@@ -100,7 +96,6 @@ pub(super) fn channel(d: &mut Document, a: &ChannelAnswer) {
     details(d, a);
     pictures(d, a);
     shares(d, a);
-    tried(d, a);
 }
 
 fn heading(d: &mut Document, a: &ChannelAnswer) {
@@ -426,40 +421,17 @@ fn shares(d: &mut Document, a: &ChannelAnswer) {
     for s in &r.shares {
         let what = depends_on(s.depends_on, a.channel).to_owned();
         t.add_row([what, percent(s.share), part(s.odd), part(s.even)]);
-        t.bar_last(s.share, false);
+        t.bar_last(s.share);
     }
     for l in &r.lines {
         let share = (l.rms / r.rms).powi(2);
         let what = format!("a line at {} Hz", digits(l.frequency_hz));
         t.add_row([what, percent(share), "-".to_owned(), "-".to_owned()]);
-        t.bar_last(share, false);
+        t.bar_last(share);
     }
     d.table(t);
     d.explain(
         "Each class is learned alone from the training data and judged on the held-out data, so shares overlap. Odd is what \
          changes its sign with the motion.",
-    );
-}
-
-fn tried(d: &mut Document, a: &ChannelAnswer) {
-    let Some(most) = a.tried.iter().map(|t| t.rms_left).reduce(f64::max) else {
-        return;
-    };
-    let head = format!("tried in the {}", a.channel.name());
-    let mut t = table(&[&head, "left, rms", "evidence (fall of BIC)"]);
-    let (listed, others) = a.tried.split_at(a.tried.len().min(LISTED));
-    let nearest = a.nearest.as_ref().map(|n| n.name);
-    let named = others.iter().find(|e| Some(e.name) == nearest);
-    for e in listed.iter().chain(named) {
-        let left = quantity(e.rms_left, &a.unit);
-        t.add_row([e.name.name().to_owned(), left, format!("{:.0}", e.bic_gain)]);
-        let taken = a.effects.iter().any(|taken| taken.name == e.name);
-        t.bar_last(e.rms_left / most.max(f64::MIN_POSITIVE), taken);
-    }
-    d.table(t);
-    d.explain(
-        "The effects that came nearest, each added alone; the bar is what it leaves of the training data's error; green is what was \
-         taken. They stand in the order of the evidence, the fall of the Bayesian information criterion, which counts what an \
-         effect costs in numbers to fit.",
     );
 }

@@ -26,8 +26,6 @@ pub struct TableRow {
     pub(super) grade: Option<Grade>,
     /// The length of a bar behind it, of the longest, on the page.
     pub(super) bar: Option<f64>,
-    /// The bar stands out.
-    pub(super) taken: bool,
 }
 
 /// A table for people. Where the terminal is too narrow for its longest words side by side, columns that matter least are left
@@ -104,10 +102,10 @@ impl Table {
         }
     }
 
-    /// Puts a bar behind the last row, on the page; `taken`: it stands out.
-    pub fn bar_last(&mut self, share: f64, taken: bool) {
+    /// Puts a bar behind the last row, on the page.
+    pub fn bar_last(&mut self, share: f64) {
         if let Some(row) = self.rows.last_mut() {
-            (row.bar, row.taken) = (Some(share.clamp(0.0, 1.0)), taken);
+            row.bar = Some(share.clamp(0.0, 1.0));
         }
     }
 

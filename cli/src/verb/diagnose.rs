@@ -40,12 +40,13 @@ pub struct Diagnose {
     /// Write the improved model there
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
-    /// Add a correction without a name to the improved model, where what remains depends on the motion clearly enough
+    /// Add a correction without a name to the model that is saved, where what remains depends on the motion clearly enough
     /// on held-out data
     #[arg(long)]
     remainder: bool,
     /// Design the test that tells most about what is left open, and write its command there (time_s,command_mm). It
-    /// keeps the limits of the model's table [limits], else what the records have shown
+    /// keeps the limits of the model's table [limits], else what the records have shown. Where no test can tell more,
+    /// none is written, and that is said
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
     /// A channel that takes no part, such as a pressure, and is asked whether it shows what was named; may be given several times.
@@ -121,14 +122,14 @@ impl Diagnose {
             dial: self.turned(&declared, &diagnosis, &mut library)?,
         };
         let next = match &self.next {
-            None => None,
-            Some(path) => {
+            Some(path) if diagnosis::why_no_test(&diagnosis).is_none() => {
                 let design = || diagnosis::next(&declared, &diagnosis, train, test);
                 let next = terminal::while_waiting("designing the next test", design);
                 let next = next.map_err(|e| Failure::input(format!("--next: {e}")))?;
                 designed_test::write(path, &next)?;
                 Some(next)
             }
+            _ => None,
         };
         self.answer(&declared, &diagnosis, (next.as_ref(), &beside), out)
     }
@@ -142,9 +143,11 @@ impl Diagnose {
         out: Option<&Path>,
     ) -> Result<(), Failure> {
         let designed = next.zip(self.next.as_deref());
+        let no_test = self.next.as_deref().zip(diagnosis::why_no_test(diagnosis));
         let answer = DiagnosisAnswer {
             diagnosis,
             next: designed.map(|(design, file)| Designed { file, design }),
+            no_test: no_test.as_ref().map(|(_, why)| why.as_str()),
             beside,
         };
         let text = json(&WithProvenance::of(&answer))?;
@@ -175,6 +178,9 @@ impl Diagnose {
                         path.display()
                     ));
                 }
+                if let Some((path, why)) = &no_test {
+                    d.tell(format!("{} is not written: {why}.", path.display()));
+                }
                 if let Some(path) = &self.save_model {
                     d.tell(format!("{} is in {}", saved(diagnosis), path.display()));
                 }
@@ -196,6 +202,9 @@ pub(crate) struct DiagnosisAnswer<'a> {
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Designed<'a>>,
+    /// Why none is proposed, where one was asked for and none would tell more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_test: Option<&'a str>,
     #[serde(flatten)]
     beside: &'a Beside,
 }
@@ -219,7 +228,7 @@ pub(crate) struct Designed<'a> {
     design: &'a Next,
 }
 
-/// Puts the corrections without a name into the improved model.
+/// Puts the corrections without a name into the model that is saved.
 fn with_remainder(diagnosis: &mut Diagnosis) {
     let Diagnosis {
         channels, improved, ..
@@ -228,11 +237,15 @@ fn with_remainder(diagnosis: &mut Diagnosis) {
         let Some(correction) = c.correction.clone() else {
             continue;
         };
-        c.notes.push(
-            "The improved model has a correction of the rest beside it, which has no name: it holds only inside the range of \
-             the training data, and it does not say what is missing."
-                .into(),
-        );
+        let model = if c.effects.is_empty() {
+            "Nothing that has a name is added to the model; what is saved has"
+        } else {
+            "The improved model has"
+        };
+        c.notes.push(format!(
+            "{model} a correction of the rest beside it, which has no name: it holds only inside the range of the training data, \
+             and it does not say what is missing."
+        ));
         match c.channel {
             Channel::Actuator => {
                 if let Some(a) = &mut improved.actuator {

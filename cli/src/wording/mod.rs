@@ -3,6 +3,7 @@
 pub mod plan;
 
 use diagnosis::{ChannelAnswer, DependsOn, FoundParameter, Verdict};
+use experiment::numbers::percent;
 use plant::Channel;
 
 /// The verdict in one sentence.
@@ -11,6 +12,10 @@ pub fn headline(a: &ChannelAnswer) -> String {
     let found: Vec<&str> = a.effects.iter().map(|e| e.name.name()).collect();
     let found = found.join(" and ");
     match a.verdict {
+        Verdict::None if a.ordinary => format!(
+            "Nothing is missing in the {channel} model: an ordinary ram, which leaves {} of the motion beyond its delay and lag, rms.",
+            percent(a.error_before.test_nrmse)
+        ),
         Verdict::None => {
             format!("The {channel} model lacks nothing that shows above the noise.")
         }
@@ -31,15 +36,10 @@ pub fn headline(a: &ChannelAnswer) -> String {
             let nearest = a.nearest.as_ref().filter(|n| n.explained >= 0.01);
             let nearest = nearest.map_or(String::new(), |n| {
                 format!(
-                    " The nearest is {}, which explains {:.0} % of its squares{} and cannot be vouched for; a saved model has it \
+                    " The nearest is {}, which explains {:.0} % of its squares and cannot be vouched for; a saved model has it \
                      switched off.",
                     n.name.name(),
                     100.0 * n.explained,
-                    // The list of what was tried has each effect alone.
-                    match a.tried.is_empty() || a.tried.iter().any(|t| t.name == n.name) {
-                        true => "",
-                        false => " in the search over several effects at once",
-                    }
                 )
             });
             format!(
@@ -107,20 +107,26 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
         true => 0.0,
         false => a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE),
     };
+    let model = if a.effects.is_empty() {
+        "nothing is added to the model"
+    } else {
+        "keep the improved model (--save-model)"
+    };
     if let Some(disturbed) = disturbed(a) {
-        let model = if a.effects.is_empty() {
-            "nothing is added to the model"
-        } else {
-            "keep the improved model (--save-model)"
-        };
         return Some(format!(
             "Next: find what oscillates at {disturbed} while the rig is at rest, pumps and drives on and off one after the \
              other, stop it or filter it, and record again; it does not depend on the motion. Until then {model}."
         ));
     }
+    if a.is_beyond_tests() {
+        return Some(format!(
+            "Next: look for what else acts on the rig, stop it or record it, and record again: no motion of this rig tells more of \
+             what is left. Until then {model}."
+        ));
+    }
     Some(match a.verdict {
         Verdict::NotAssessed => return None,
-        Verdict::None if left > MORE => format!(
+        Verdict::None if left > MORE && !a.ordinary => format!(
             "Next: the training data needs no more than the declared model, but on the held-out data it is {} \
              times the noise off: look for what differs between the two, a zero that was set anew or another amplitude \
              or rate.",
@@ -130,6 +136,9 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
             "Next: nothing is missing, but a declared parameter is off by more than its tolerance: keep the refitted model \
              (--save-model) and take it into the next test (run --model)."
                 .into()
+        }
+        Verdict::None if a.ordinary => {
+            "Next: nothing; valve, oil and seals of any position loop leave as much.".into()
         }
         Verdict::None => "Next: nothing; this data gives no reason to change the model.".into(),
         Verdict::Ambiguous => "Next: let --next FILE design the test that tells these apart. Until then the improved model \
@@ -411,6 +420,26 @@ mod tests {
         assert_eq!(odd.verdict, Verdict::Unknown, "{odd:?}");
         let said = next(&odd).unwrap();
         assert!(said.contains("--next FILE") && said.contains("nothing is added"));
+        let mut disturbed = odd.clone();
+        disturbed.disturbed = true;
+        let said = next(&disturbed).unwrap();
+        assert!(
+            !said.contains("--next") && said.contains("nothing is added"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn a_sound_ram_is_said_to_be_ordinary_and_nothing_is_advised() {
+        let mut sound = answer(|_, _| 0.0);
+        (sound.channel, sound.ordinary) = (Channel::Actuator, true);
+        sound.error_before.test_nrmse = 0.003;
+        sound.error_after.test_rms = 9.0 * sound.noise_floor_rms;
+        assert_eq!(
+            headline(&sound),
+            "Nothing is missing in the actuator model: an ordinary ram, which leaves 0.300 % of the motion beyond its delay and lag, rms."
+        );
+        assert!(next(&sound).unwrap().starts_with("Next: nothing;"));
     }
 
     #[test]

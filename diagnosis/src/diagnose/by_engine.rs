@@ -43,14 +43,16 @@ struct ChannelData<'a, A> {
 }
 
 impl<A: Asked> ChannelData<'_, A> {
-    /// Whether what the declared model leaves is so little that what is said of it does not stand.
+    /// Whether what the declared model leaves is so little that no name stands: within the class of a good transducer.
     fn is_of_its_class(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
-        let share = left.test_nrmse;
-        let beyond = self.beyond_noise(left);
+        left.test_nrmse < self.transducer && !(self.told && matches!(said, Said::Names(_)))
+    }
+
+    /// The same: what any device of its kind leaves.
+    fn is_of_its_kind(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
         let to_the_noise = Self::comes_to_the_noise(said);
         let unknown = matches!(said, Said::Unknown(_));
-        share < self.transducer && !(self.told && matches!(said, Said::Names(_)))
-            || beyond < self.ordinary[0] && !(to_the_noise && self.is_loud(left))
+        self.beyond_noise(left) < self.ordinary[0] && !(to_the_noise && self.is_loud(left))
             || self.is_ordinary(left) && unknown && !to_the_noise
     }
 
@@ -185,7 +187,11 @@ impl ChannelDiagnosis<'_> {
         answer.noise_floor_rms = channel.noise.rms.min(answer.error_before.test_rms);
         let mut after = None;
         match &found.said {
-            Said::Nothing => {}
+            Said::Nothing => {
+                let plain = found.nothing.as_ref();
+                answer.ordinary = plain.is_some_and(|f| channel.data.is_of_higher_order(f));
+            }
+            said if channel.is_of_its_kind(said, &answer.error_before) => answer.ordinary = true,
             said if channel.is_of_its_class(said, &answer.error_before) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
@@ -211,8 +217,9 @@ impl ChannelDiagnosis<'_> {
         let unknown = answer.verdict == Verdict::Unknown && structured;
         if unknown && channel.is_ordinary(&answer.error_before) {
             (answer.verdict, answer.nearest) = (Verdict::None, None);
+            answer.ordinary = true;
         }
-        answer.unnamed = Some(found.unnamed);
+        answer.unnamed = found.unnamed;
         let kept = after.as_ref().unwrap_or(&before);
         if answer.verdict == Verdict::None {
             self.quantisation(&self.noise(self.cutoff_hz())?, &mut answer);

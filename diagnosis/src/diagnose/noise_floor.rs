@@ -102,6 +102,11 @@ impl ChannelDiagnosis<'_> {
         self.base.channel == Channel::Specimen && hunting::hunts(r, span)
     }
 
+    /// Whether the specimen moves in a rest of a record: what swings there is the rig, and no disturbance from elsewhere.
+    pub(super) fn hunts(&self, r: &Recording) -> bool {
+        rest::spans(r).into_iter().any(|s| self.rest_moves(r, s))
+    }
+
     /// Says of rests that they move, where some do.
     pub(super) fn note_moving_rest(&self, answer: &mut ChannelAnswer) {
         let given = self.rest.iter().map(|r| (r, vec![(0, r.time_s.len())]));

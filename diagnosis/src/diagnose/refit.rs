@@ -4,7 +4,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
-use crate::criteria::{LEAST_SURE, REACH, UNNAMED};
+use crate::criteria::{LEAST_SURE, REACH};
 use crate::fit::{Frame, settle};
 use crate::interval::{self, NINETY};
 use crate::library::candidates;
@@ -36,7 +36,7 @@ fn errors(train: &Problem, test: &Problem) -> Errors {
     }
 }
 
-/// How probable each name of an answer is, and that something is missing that has no name.
+/// How probable each name of an answer is.
 pub fn state_probabilities(answer: &mut ChannelAnswer) {
     let names = answer.effects.iter().map(|e| e.name);
     let names: Vec<_> = names.chain(answer.alternatives.iter().copied()).collect();
@@ -48,12 +48,8 @@ pub fn state_probabilities(answer: &mut ChannelAnswer) {
     }
     for effect in &mut answer.effects {
         let member = answer.members.iter().find(|m| m.name == effect.name);
-        let by_certificate = 1.0 - effect.q.unwrap_or(LEAST_SURE);
-        effect.p = Some(member.map_or(by_certificate, |m| m.probability));
-    }
-    if answer.unnamed.is_none() {
-        let own = |(verdict, _): &&(Verdict, f64)| *verdict == answer.verdict;
-        answer.unnamed = UNNAMED.iter().find(own).map(|(_, share)| *share);
+        let alone = 1.0 - effect.q.unwrap_or(LEAST_SURE);
+        effect.p = Some(member.map_or(alone, |m| m.probability));
     }
 }
 

@@ -4,7 +4,7 @@ use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::coherence::linear_share;
-use crate::criteria::{LINES, LITTLE, TRANSDUCER};
+use crate::criteria::{BESIDE_NOISE, LINES, LITTLE, TRANSDUCER};
 use crate::expected_error::next_error;
 use crate::recording::{Recording, range};
 use crate::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
@@ -54,6 +54,8 @@ fn held(found: &[Line], whole: f64) -> f64 {
 
 /// What lines of a rest must hold of all that is left to be worth a sentence.
 const MATTERS: f64 = 0.02;
+/// The same, to be most of it.
+const MOSTLY: f64 = 0.5;
 /// Two readings of one line, in a rest of a second or two and in the whole record, differ by this much at most, Hz.
 const SAME_HZ: f64 = 1.0;
 
@@ -199,9 +201,11 @@ impl ChannelDiagnosis<'_> {
         if answer.effects.iter().any(|e| e.name == Effect::MainsHum) {
             found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
         }
-        if held(&found, still) < LINES || held(&found, rms(&[rest])) < MATTERS {
+        let share = held(&found, rms(&[rest]));
+        if held(&found, still) < LINES || share < MATTERS {
             return;
         }
+        answer.disturbed |= share > MOSTLY && !self.hunts(r);
         let all = in_words(&found, &answer.unit);
         answer.notes.push(format!(
             "A disturbance of {} stands in the rest, too: the motion does not bring it about, and no element of a model of the motion \
@@ -255,7 +259,7 @@ impl ChannelDiagnosis<'_> {
             found = at_rest;
         }
         let all = in_words(&found, &answer.unit);
-        answer.verdict = Verdict::Unknown;
+        (answer.verdict, answer.disturbed) = (Verdict::Unknown, !self.hunts(r));
         answer.notes = vec![format!(
             "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise, but a \
              disturbance: a pump, a valve that hunts, another axis; its cause is outside these channels.",
@@ -276,6 +280,8 @@ impl ChannelDiagnosis<'_> {
         let Some(share) = share.filter(|s| *s < LITTLE) else {
             return;
         };
+        // Of a noise that hides what is missing a larger motion tells.
+        answer.disturbed |= answer.error_after.test_rms > BESIDE_NOISE * answer.noise_floor_rms;
         let [input, output] = match self.base.channel {
             Channel::Actuator => ["command", "displacement"],
             Channel::Specimen => ["displacement", "force"],

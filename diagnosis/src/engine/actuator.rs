@@ -419,4 +419,8 @@ impl Asked for ActuatorChannel<'_> {
         let spread = self.whole.spread(&fit.fit);
         self.whole.save(&fit.fit, &spread, model);
     }
+
+    fn is_of_higher_order(&self, fit: &ActuatorModelFit) -> bool {
+        fit.fit.model.size() > 0 && fit.names().is_empty()
+    }
 }

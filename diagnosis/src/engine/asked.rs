@@ -26,6 +26,11 @@ pub trait Asked {
 
     /// Puts a fit into a model.
     fn save(&self, fit: &Self::Fit, model: &mut Model);
+
+    /// Whether a model without a name has parts that any device of its kind has; of a channel that has none of these, never.
+    fn is_of_higher_order(&self, _: &Self::Fit) -> bool {
+        false
+    }
 }
 
 /// What is found out about a channel.
@@ -35,8 +40,10 @@ pub struct Found<F> {
     pub said: verdict::Said<F>,
     /// The declared model, its parameters within their tolerances.
     pub declared: F,
-    /// How probable it is that something without a name is there.
-    pub unnamed: f64,
+    /// The likeliest model without a name, where nothing is missing.
+    pub nothing: Option<F>,
+    /// How probable it is that something without a name is there; `None` where no rival without a name was asked.
+    pub unnamed: Option<f64>,
 }
 
 impl<F: Clone> Found<F> {
@@ -45,10 +52,16 @@ impl<F: Clone> Found<F> {
         let posterior = Posterior::of(models);
         let [sure, most] = verdict::NOTHING;
         let allowed = if told { [sure; 2] } else { [sure, most] };
+        let said = verdict::verdict(&posterior, allowed);
+        let plain = posterior
+            .declared()
+            .filter(|_| matches!(said, verdict::Said::Nothing));
+        let asked = posterior.models.iter().any(|m| m.0.nameless);
         Self {
-            said: verdict::verdict(&posterior, allowed),
+            nothing: plain.map(|c| c.model.clone()),
+            unnamed: asked.then(|| posterior.unnamed()),
+            said,
             declared,
-            unnamed: posterior.unnamed(),
         }
     }
 }

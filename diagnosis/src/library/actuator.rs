@@ -220,8 +220,8 @@ pub const CANDIDATES: &[Candidate] = &[
     },
 ];
 
-/// Forms that the joint search finds, beside those above: the same names, other numbers of shapes. They are not searched
-/// one by one.
+/// Forms that the engine finds as parts of the path (`drivetrain/part.rs`), beside those above: the same names, other numbers
+/// of shapes. Here they are only read back from a model file.
 pub const FORMS: &[Candidate] = &[
     // Unequal areas of a cylinder, x' = (e + b e^2) / T: b, 1/mm.
     Candidate {

@@ -5,8 +5,8 @@ use super::candidate::{Candidate, MOST_AT_REST};
 use crate::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
-/// The parameters of the forms that only a joint search finds (`actuator::FORMS`, in its order), in the order of their
-/// shapes.
+/// The parameters of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the order of
+/// their shapes.
 pub const FORMS: [(Effect, &[&str]); 8] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),

@@ -14,7 +14,7 @@ mod test_limits;
 pub use phase::{Form, Phase};
 pub use test_limits::{Origin, TestLimits};
 
-use crate::answer::{ChannelAnswer, Verdict};
+use crate::answer::ChannelAnswer;
 use crate::criteria::{CERTAIN, INSEPARABLE, NOISE};
 use crate::diagnose::Diagnosis;
 use crate::interval::NINETY;
@@ -140,23 +140,44 @@ struct PhaseCandidate {
     information: Vec<Information>,
 }
 
+/// Why no test is proposed, in one sentence: all that `diagnosis` has left open is made by something outside its channels. `None`
+/// where a test may tell something.
+pub fn why_no_test(diagnosis: &Diagnosis) -> Option<String> {
+    let all = || diagnosis.channels.iter();
+    let beyond: Vec<&str> = all()
+        .filter(|a| a.is_beyond_tests())
+        .map(|a| a.channel.name())
+        .collect();
+    (!beyond.is_empty() && !all().any(ChannelAnswer::is_open)).then(|| {
+        format!(
+            "no test is proposed, since what is left of the {} is made by something outside these channels, and no motion of the \
+             rig tells more of it: look for what else acts on the rig, stop it or record it, and record again",
+            beyond.join(" and of the ")
+        )
+    })
+}
+
 /// Designs the test that tells most about what `diagnosis` of `train` with `model` has left open. `test` is the held-out
-/// data: only its span is looked at.
+/// data: only its span is looked at. A channel of which no test tells more takes no part.
 ///
 /// # Errors
-/// Records in which nothing moves; limits inside which no phase fits.
+/// Records in which nothing moves; limits inside which no phase fits; nothing that a test would tell ([`why_no_test`]).
 pub fn next(
     model: &Model,
     diagnosis: &Diagnosis,
     train: &[Recording],
     test: &[Recording],
 ) -> Result<Next, Refusal> {
+    if let Some(why) = why_no_test(diagnosis) {
+        return Err(Refusal::new(why));
+    }
     let all: Vec<&Recording> = train.iter().chain(test).collect();
     let limits = TestLimits::of(model, &all)?;
     let improved = &diagnosis.improved;
     let views: Vec<(ChannelDesign, &ChannelAnswer)> = diagnosis
         .channels
         .iter()
+        .filter(|a| !a.is_beyond_tests())
         .filter_map(|a| {
             let causes = causes::causes(model, improved, a, train);
             let left = a.error_after.test_rms.max(a.noise_floor_rms);
@@ -167,13 +188,7 @@ pub fn next(
         })
         .collect();
     // Where something is open, only that counts.
-    let open = |a: &ChannelAnswer| {
-        matches!(
-            a.verdict,
-            Verdict::Ambiguous | Verdict::Partial | Verdict::Unknown
-        )
-    };
-    let is_open = views.iter().any(|(v, a)| open(a) && v.causes.len() > 1);
+    let is_open = views.iter().any(|(v, a)| a.is_open() && v.causes.len() > 1);
     let counts = |v: &ChannelDesign| !is_open || v.causes.len() > 1;
     let record_h = train.first().map_or(1e-3, Recording::interval_s);
     let highest_hz = HIGHEST_HZ.min(0.05 / record_h);

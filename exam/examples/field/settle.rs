@@ -2,6 +2,7 @@
 
 use crate::sit::{model, recordings, said};
 use diagnosis::{Diagnosis, Model, Recording, RigLimits, Verdict};
+use exam::aims::{self, Figure};
 use exam::field::{Field, Limits, Mark, Said, Stand, Truth, set_field};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -271,13 +272,14 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
         share(0, &tellable),
         share(1, &tellable)
     );
-    let one = rigs
-        .iter()
-        .filter(|r| r.ends[0].0 == End::Settled && r.ends[0].1 == 1);
+    let by_design = || rigs.iter().filter(|r| r.ends[0].0 == End::Settled);
+    let one = by_design().filter(|r| r.ends[0].1 == 1);
     println!(
-        "\nof those that the design settled one test was enough for {}",
+        "\nof those that the design settled one test was enough for {}\n",
         one.count()
     );
+    let settled = Figure::share(by_design().count() as f64, rigs.len());
+    println!("{}", aims::table(&[(&aims::SETTLED, &[settled])]));
 }
 
 fn one(seed: u64) -> Option<Played> {

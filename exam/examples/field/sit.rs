@@ -21,26 +21,23 @@ pub struct Sat {
     pub samples: usize,
 }
 
-/// A name with what speaks for it.
+/// A name with how sure it is.
 #[derive(Clone, Debug)]
 pub struct Vouched {
     pub name: &'static str,
     pub q: f64,
     /// Not in the rig, or given for more than it is.
     pub is_false: bool,
-    pub certificate: Option<diagnosis::Certificate>,
     /// Held-out error after over before.
     pub leaves: f64,
     pub actuator: bool,
 }
 
 impl Vouched {
-    /// As a row of a table: name, channel, whether it is false, what rivals leave, what is left, `q`.
+    /// As a row of a table: name, channel, whether it is false, what is left, `q`.
     pub fn row(&self) -> String {
-        let rivals = self.certificate.map_or(f64::NAN, |c| c.rivals_leave);
-        let beside = self.certificate.and_then(|c| c.beside_the_rest);
         format!(
-            "{} | {} | {} | {rivals:.2} | {:.3} | {:.3} | {}",
+            "{} | {} | {} | {:.3} | {}",
             self.name,
             if self.actuator {
                 "actuator"
@@ -48,7 +45,6 @@ impl Vouched {
                 "specimen"
             },
             u8::from(self.is_false),
-            beside.unwrap_or(f64::NAN),
             self.leaves,
             self.q
         )
@@ -170,7 +166,6 @@ pub fn answer(field: Field) -> Sat {
                     name: e.name.name(),
                     q: e.q?,
                     is_false: claims_all || !field.truth.allows(e.name.name()),
-                    certificate: e.certificate,
                     leaves,
                     actuator: matches!(field.believed, Believed::Actuator(_)),
                 })

@@ -25,6 +25,7 @@ mod stand;
 
 pub use mark::{Mark, Said, Truth};
 pub use motion::{Move, Span};
+pub use ram::SOUND_RAM;
 pub use stand::{Limits, Stand};
 
 use crate::declared::Parameter;

@@ -18,6 +18,9 @@ pub(super) enum Fault {
     SmallValve,
 }
 
+/// What a ram is called of which nothing is wrong.
+pub const SOUND_RAM: &str = "a sound ram";
+
 /// Half of the rams are sound.
 const TURNS: [Fault; 12] = [
     Fault::Sound,
@@ -41,7 +44,7 @@ impl Fault {
 
     pub(super) const fn name(self) -> &'static str {
         match self {
-            Self::Sound => "a sound ram",
+            Self::Sound => SOUND_RAM,
             Self::Sag => "a supply that sags",
             Self::SingleRod => "a single rod",
             Self::SoftHoses => "soft hoses",

@@ -220,6 +220,7 @@ fn show(plan: &Plan, all: &[Sat], json: Option<&Path>) -> Result<(), String> {
         plan.kind()
     );
     println!("\n{}", report.target_table());
+    println!("\n{}", report.aim_table());
     println!("\n{}", report.mark_table());
     for class in [
         Class::Matched,

@@ -7,6 +7,7 @@
 use clap::Parser;
 use comfy_table::{Table, presets};
 use diagnosis::ChannelAnswer;
+use exam::aims::{self, Aim, Figure};
 use host_tests::outside::{Case, cases_in, lot};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
     ]);
     let only = &arguments.cases;
     let mut kinds: BTreeMap<String, Kind> = BTreeMap::new();
+    let mut seconds = Vec::new();
     for case in cases
         .iter()
         .filter(|c| only.is_empty() || only.contains(&c.id))
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
             None => "all",
         };
         kinds.entry(kind.to_owned()).or_default().add(&got);
+        seconds.extend(got.seconds);
     }
     println!("{table}");
     for (kind, k) in &kinds {
@@ -68,7 +71,28 @@ fn main() -> ExitCode {
             k.points, k.records, k.wrong
         );
     }
+    println!("\n{}", aimed(&kinds, &aims::seconds(seconds)));
     ExitCode::SUCCESS
+}
+
+/// By how much the aims of published records, or of laws of OpenSees, and of the time are missed.
+fn aimed(kinds: &BTreeMap<String, Kind>, seconds: &[Figure]) -> String {
+    let of = |kind: &str| kinds.get(kind).copied().unwrap_or_default();
+    let points = |k: Kind| Figure::share(k.points, k.records);
+    let seconds: (&[Aim], &[Figure]) = (&aims::SECONDS, seconds);
+    if let Some(all) = kinds.get("all") {
+        let wrong = Figure::share(all.wrong as f64, all.records);
+        let league = [points(*all), wrong, points(*all), wrong];
+        return aims::table(&[(&aims::LEAGUES, &league), seconds]);
+    }
+    let both = Figure::share(of("two").both as f64, of("two").pairs);
+    let laws = [
+        points(of("one")),
+        both,
+        points(of("outside")),
+        points(of("clean")),
+    ];
+    aims::table(&[(&aims::OPENSEES, &laws), seconds])
 }
 
 /// What the diagnosis says of records with known causes
@@ -87,6 +111,8 @@ struct Got {
     points: f64,
     wrong: bool,
     both: Option<bool>,
+    /// How long it took; none of a record that was refused.
+    seconds: Option<f64>,
 }
 
 /// What came of the records of a kind.
@@ -154,6 +180,7 @@ fn row(case: &Case) -> (Vec<String>, Got) {
                 points: case.points(&a),
                 wrong: case.is_wrong(&a),
                 both: case.has_both(&a),
+                seconds: Some(seconds),
             };
             let spread = a.error_before.test_rms / a.error_before.test_nrmse.max(f64::MIN_POSITIVE);
             let row = vec![

@@ -6,6 +6,7 @@ use super::sit::Sat;
 use super::tally::{Tally, estimates, median, quantile};
 use comfy_table::{Table, presets::UTF8_HORIZONTAL_ONLY};
 use exam::Class;
+use exam::aims::{self, Figure};
 use serde_json::{Value, json};
 
 /// A target of the exam and how it was met.
@@ -117,6 +118,33 @@ impl<'a> Report<'a> {
             ]);
         }
         table.to_string()
+    }
+
+    /// What is aimed at on sealed exams, and by how much it is missed, as a table in Markdown.
+    pub fn aim_table(&self) -> String {
+        let nominal = |s: &Sat| s.item.detection.is_none();
+        let share = |of: &dyn Fn(Class) -> bool, is: &dyn Fn(Mark) -> bool| {
+            let tally = Tally::over(self.all, |s| nominal(s) && of(s.item.class));
+            Figure {
+                value: tally.share(is),
+                of: tally.len(),
+            }
+        };
+        let in_set = |m| matches!(m, Mark::Exact | Mark::Set);
+        let sealed = [
+            share(&|c| matches!(c, Class::Matched | Class::Unseen), &in_set),
+            share(&|c| c == Class::Two, &Mark::is_right),
+            share(&|c| c == Class::Confounded, &in_set),
+            share(&|c| c == Class::Outside, &|m| m == Mark::Exact),
+            share(&|_| true, &|m| m == Mark::Wrong),
+        ];
+        let seconds = aims::seconds(self.all.iter().map(|s| s.seconds));
+        let [first, second] = &aims::SEALED;
+        aims::table(&[
+            (first, &sealed),
+            (second, &sealed),
+            (&aims::SECONDS, &seconds),
+        ])
     }
 
     /// How the marks are spread over the classes.
