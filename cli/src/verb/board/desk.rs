@@ -3,7 +3,7 @@
 use crate::answer::of_desk;
 use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
-use crate::board::{BoardConnection, Connection, Port, Timeouts};
+use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
 use crate::provenance::WithProvenance;
 use crate::terminal::interrupt;
@@ -25,6 +25,10 @@ use std::time::Duration;
 pub(super) struct Desk {
     #[command(flatten)]
     place: RigArguments,
+    /// The image of the board: nucleo_f429zi, with the chip's own converters, or nucleo_f429zi_16, with external ones; left out:
+    /// the one on the board, and emulated the first
+    #[arg(long, value_name = "NAME", value_parser = image)]
+    image: Option<Image>,
     /// How long the board idles at each rate, s
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
@@ -56,6 +60,16 @@ fn seconds(text: &str) -> Result<f64, String> {
         .ok_or("accepted are 0.1 to 86400 s".into())
 }
 
+/// An image that four wires make a rig, by its name.
+fn image(name: &str) -> Result<Image, String> {
+    let images = [Image::Internal, Image::External];
+    let named = images.into_iter().find(|image| image.name() == name);
+    named.ok_or_else(|| {
+        let accepted = images.map(Image::name).join(", ");
+        format!("`{name}` is unknown: accepted are {accepted}")
+    })
+}
+
 /// All that was found.
 #[derive(Serialize)]
 struct Found<'a> {
@@ -69,7 +83,7 @@ impl Desk {
     /// Goes through it.
     ///
     /// # Errors
-    /// A board that is silent or somebody has calibrated; a row that is not as it has to be.
+    /// A board that is silent, has another image or somebody has calibrated; a row that is not as it has to be.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(Some(&self.out), &FILES)?;
         let out = out.unwrap_or_else(|| self.out.clone());
@@ -77,6 +91,7 @@ impl Desk {
         interrupt::watch();
         let mut board = self.connect(None)?;
         let identity = identify(&mut board)?;
+        self.refuse_another_image(&identity)?;
         self.refuse_what_is_no_desk(&mut board)?;
         let rows = self.rows(board, &identity, &methods)?;
         let found = Found {
@@ -109,9 +124,24 @@ impl Desk {
     fn connect(&self, mishap: Option<Mishap>) -> Result<BoardConnection, Failure> {
         let port: Box<dyn Port> = match self.place.serial()? {
             Some(port) => port,
-            None => Box::new(Emulated::start(&EmulatedRig::on_desk(mishap)?)?),
+            None => {
+                let image = self.image.unwrap_or_default();
+                Box::new(Emulated::start(&EmulatedRig::on_desk(image, mishap)?)?)
+            }
         };
         Ok(Connection::new(port, Timeouts::BOARD))
+    }
+
+    /// What was flashed and what answers may be two boards.
+    fn refuse_another_image(&self, own: &Identity) -> Result<(), Failure> {
+        if let Some(image) = self.image.filter(|image| image.codes() != own.codes) {
+            return Err(Failure::input(format!(
+                "board desk: --image {}: the board is a {}, which has other converters: accepted is a board with this image",
+                image.name(),
+                own.board
+            )));
+        }
+        Ok(())
     }
 
     /// A board that somebody has calibrated may have a rig; and a person knows what is connected.
