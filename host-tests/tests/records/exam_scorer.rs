@@ -42,7 +42,7 @@ fn answers(verdict: impl Fn(&Item, &exam::ChannelKey) -> ChannelAnswer + Sync) -
     )
     .unwrap();
     let report = Report::new(&all);
-    println!("{}", report.target_table());
+    println!("{}\n{}", report.target_table(), report.aim_table());
     assert_eq!(
         report.to_json()["records"].as_array().unwrap().len(),
         all.len()
