@@ -5,7 +5,8 @@ mod common;
 
 use common::{Rig, shaking, started, table1};
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample, flag,
+    Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample,
+    flag,
 };
 
 const RECORD_S: f64 = 6.0;

@@ -48,6 +48,8 @@ pub struct FoundEffect {
     pub q: Option<f64>,
     /// How probable it is that the rig has it: `1 - q` of a name, of the preferred member of a set its share.
     pub p: Option<f64>,
+    /// What may be in the rig in its place, the likeliest first; none in a set, whose members are each other's rivals.
+    pub rivals: Vec<Member>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
 }
@@ -72,6 +74,7 @@ impl FoundEffect {
             family: name.entry().family,
             q: None,
             p: None,
+            rivals: Vec::new(),
             parameters: parameters.into_iter().map(parameter).collect(),
         }
     }

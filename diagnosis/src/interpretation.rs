@@ -136,6 +136,7 @@ mod tests {
             family: name.entry().family,
             q: None,
             p: None,
+            rivals: Vec::new(),
             parameters: parameters.iter().map(parameter).collect(),
         }
     }

@@ -2,7 +2,7 @@
 
 pub mod plan;
 
-use diagnosis::{ChannelAnswer, DependsOn, FoundParameter, Verdict};
+use diagnosis::{ChannelAnswer, DependsOn, FoundEffect, FoundParameter, Verdict};
 use experiment::numbers::percent;
 use plant::Channel;
 
@@ -87,10 +87,20 @@ pub fn sureness(a: &ChannelAnswer) -> Option<String> {
         return Some(format!("Probabilities: {}.", all.join(", ")));
     }
     let q = a.effects.iter().filter_map(|e| e.q).reduce(f64::max)?;
+    let rivals: Vec<String> = a.effects.iter().filter_map(rivals).collect();
     Some(format!(
-        "Of names given with this certainty or more at most {:.0} in 100 are false.",
-        100.0 * q
+        "Of names given with this certainty or more at most {:.0} in 100 are false.{}",
+        100.0 * q,
+        rivals.concat()
     ))
+}
+
+/// What may stand in the place of a name.
+fn rivals(effect: &FoundEffect) -> Option<String> {
+    let each = effect.rivals.iter();
+    let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
+    let all: Vec<String> = each.collect();
+    (!all.is_empty()).then(|| format!(" In the place of {}: {}.", effect.name, all.join(", ")))
 }
 
 /// So many times; where there is next to no noise nobody wants to know how many.

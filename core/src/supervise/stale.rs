@@ -148,7 +148,11 @@ mod tests {
     fn a_converter_that_answers_every_third_time_is_stale_and_one_that_misses_every_third_is_not() {
         let last = |answers: fn(u32) -> bool| {
             let mut watch = StaleWatch::<1>::new(1e-4, 0);
-            let step = |k: u32| watch.update(answers(k), &[k as f32 * 1e-6], &[0.0], 1).steps;
+            let step = |k: u32| {
+                watch
+                    .update(answers(k), &[k as f32 * 1e-6], &[0.0], 1)
+                    .steps
+            };
             (0..90).map(step).last()
         };
         assert_eq!(last(|k| k % 3 == 0), Some(31));

@@ -339,10 +339,14 @@ impl ChannelDiagnosis<'_> {
         if named.more && !open {
             answer.verdict = Verdict::Partial;
         }
+        let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
+        for ((name, _), rivals) in named.names.iter().zip(&named.rivals) {
+            let own = answer.effects.iter_mut().filter(|e| e.name == *name);
+            own.for_each(|e| e.rivals = rivals.iter().map(member).collect());
+        }
         let given = |name: Effect| answer.effects.iter().any(|e| e.name == name);
         let others = named.beside.iter().map(|n| n.0).filter(|n| !given(*n));
         answer.alternatives = others.collect();
-        let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
         answer.members = named.beside.iter().map(member).collect();
     }
 

@@ -84,6 +84,25 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         with
     }
 
+    /// What may be in the rig in the place of `name`, beside the others of `names`: each with its probability, the likeliest first.
+    pub fn rivals(&self, name: N, names: &[N]) -> Vec<(N, f64)> {
+        let stays = |c: &Candidate<M, N>| {
+            let others = names.iter().filter(|n| **n != name);
+            !c.names.contains(&name) && others.into_iter().all(|n| c.names.contains(n))
+        };
+        let mut rivals: Vec<(N, f64)> = Vec::new();
+        for (c, w) in self.models.iter().filter(|m| stays(&m.0)) {
+            for n in c.names.iter().filter(|n| !names.contains(n)) {
+                match rivals.iter_mut().find(|r| r.0 == *n) {
+                    Some(rival) => rival.1 += w,
+                    None => rivals.push((*n, *w)),
+                }
+            }
+        }
+        rivals.sort_by(|a, b| b.1.total_cmp(&a.1));
+        rivals
+    }
+
     /// The same if there is nothing without a name.
     pub fn named(&self) -> Self {
         self.only(|c| !c.nameless)
@@ -185,6 +204,30 @@ mod tests {
             candidate(&[friction, backlash], 0.5, 7.5),
         ]);
         assert!(matches!(verdict(&both, NOTHING), Said::Names(n) if n.names.len() == 2));
+    }
+
+    #[test]
+    fn each_of_two_names_has_the_rivals_that_stand_in_its_place() {
+        let [friction, backlash, damping] = [
+            Effect::CoulombFriction,
+            Effect::Backlash,
+            Effect::ViscousDamping,
+        ];
+        let posterior = Posterior::of(vec![
+            candidate(&[], 9.0, 0.0),
+            candidate(&[friction, backlash], 0.5, 7.5),
+            candidate(&[damping, backlash], 0.7, 7.5),
+            candidate(&[friction, damping], 6.0, 7.5),
+        ]);
+        let Said::Names(n) = verdict(&posterior, NOTHING) else {
+            panic!("no names");
+        };
+        let of = |name| {
+            let at = n.names.iter().position(|named| named.0 == name);
+            &n.rivals[at.expect("a name")]
+        };
+        assert!(matches!(of(friction)[..], [(rival, p)] if rival == damping && p > 0.03));
+        assert_eq!(of(backlash).len(), 0, "{:?}", of(backlash));
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub const SET: f64 = 0.9;
 pub const LACKS: f64 = 4.0;
 /// What stands beside sure names with at least this probability.
 pub const RIVALS: f64 = 0.05;
+/// What may stand in the place of a sure name with at least this probability is said.
+pub const RIVAL: f64 = 0.01;
 /// The share of what free functions take, in the logarithm of the squares, that a name must take to be given beside what has none.
 pub const PLAIN: f64 = 0.75;
 /// A set of more names says nothing.
@@ -38,6 +40,8 @@ pub struct Named<M, N = Effect> {
     pub model: Candidate<M, N>,
     /// The names, each with its probability.
     pub names: Probabilities<N>,
+    /// Of each, what may be there in its place.
+    pub rivals: Vec<Probabilities<N>>,
     /// One of these stands beside them, too.
     pub beside: Probabilities<N>,
     /// They are not all: something else is there, with a name or without.
@@ -122,8 +126,10 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     let mut beside = posterior.names();
     beside.retain(|n| more && !only.contains(&n.0) && n.1 >= RIVALS);
     beside.truncate(LARGEST_SET.saturating_sub(only.len()));
+    let rivals = only.iter().map(|n| rivals(posterior, *n, &only));
     Some(Said::Names(Named {
         model,
+        rivals: rivals.collect(),
         names,
         beside,
         more,
@@ -131,8 +137,22 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     }))
 }
 
+/// What may stand in the place of a name, with a probability that is worth a word.
+fn rivals<M: Clone, N: Name>(
+    posterior: &Posterior<M, N>,
+    name: N,
+    names: &[N],
+) -> Probabilities<N> {
+    let mut rivals = posterior.rivals(name, names);
+    rivals.retain(|r| r.1 >= RIVAL);
+    rivals.truncate(LARGEST_SET);
+    rivals
+}
+
 /// The smallest set of names one of which is in the rig with enough probability; else those of a family that is sure.
-fn set<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<(Candidate<M, N>, Probabilities<N>)> {
+fn set<M: Clone, N: Name>(
+    posterior: &Posterior<M, N>,
+) -> Option<(Candidate<M, N>, Probabilities<N>)> {
     let names = posterior.names();
     let holds = |set: &[(N, f64)]| {
         let hit = |c: &Candidate<M, N>| set.iter().any(|n| c.names.contains(&n.0));
