@@ -96,6 +96,8 @@ pub mod flag {
     pub const ADJUSTED: u32 = 1 << 26;
     /// The watch was not worked out in time and has ended.
     pub const WATCH_LATE: u32 = 1 << 27;
+    /// No sample came in this step, where it is stale.
+    pub const MISSED: u32 = 1 << 30;
     /// Where the two bits of the watch's state begin.
     pub const WATCH_STATE_SHIFT: u32 = 28;
 }

@@ -249,6 +249,12 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
             outer.step(&good, &ground(&points));
             assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
         }
+        // The loop that takes its place knows of it, too.
+        let mut next = outer.clone();
+        next.configure(Design::new(&table1()).unwrap()).unwrap();
+        next.step(&good, &ground(&points));
+        next.take_over(outer.obstacle());
+        assert_eq!(next.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
         outer.step(&good, &ground(&points));
         assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
     }

@@ -83,6 +83,12 @@ pub enum InjectedFault {
     LateBy(usize),
     /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
     Drill(u32),
+    /// The known voltage is there in every third frame only.
+    KnownVoltageFlickers,
+    /// The command that is read back is there in every third frame only.
+    ReadBackFlickers,
+    /// The second displacement is there in every third frame only.
+    SecondSensorFlickers,
     /// The memory of the ground motion reads as ones, each point a NaN.
     LostMotion,
 }

@@ -126,6 +126,7 @@ impl SingleActuator {
         }
         event(board, Event::Arm)?;
         board.forget_steps();
+        let mut approaches = false;
         loop {
             if interrupt::asked() {
                 event(board, Event::Stop)?;
@@ -135,6 +136,13 @@ impl SingleActuator {
             }
             match self.step(board)?.map(|(_, s)| (s.mode(), s.command_m)) {
                 Some((Some(Mode::Armed), 0.0)) => return Ok(()),
+                Some((Some(Mode::Approaching), _)) => approaches = true,
+                // Telemetry of the steps before arming is behind us.
+                Some((Some(Mode::Idle), _)) if approaches => {
+                    return Err(Failure::test(
+                        "the approach to zero was ended by the board's button, and the board is idle",
+                    ));
+                }
                 Some((Some(Mode::Tripped), _)) => {
                     return Err(Failure::test(format!(
                         "the board tripped on its way to zero: {}",

@@ -213,21 +213,13 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let mut sample = Sample::new(displacement_m, force_n);
         sample.fault = self.fault(report, after);
         sample.chain_open = report.flags & flag::CHAIN_OPEN != 0;
+        sample.fresh = report.flags & flag::MISSED == 0;
         if let (Some(Mode::Stopping), Some(_), Some(after)) = (report.mode(), sample.fault, after)
             && self.comes_to_its_end(&sample, after)
         {
             sample.fault = None;
         }
-        // A stale sample is one that did not come or one that stands still; the record's digest tells which.
-        let before = (report.flags & flag::STALE != 0).then(|| self.outer.clone());
-        let mut step = self.outer.step(&sample, &self.ground);
-        if let Some(before) = before
-            && digest(step.record) != report.digest
-        {
-            self.outer = before;
-            sample.fresh = false;
-            step = self.outer.step(&sample, &self.ground);
-        }
+        let step = self.outer.step(&sample, &self.ground);
         let top = self.codes.command_top;
         self.out_of_range = false;
         for ((calibration, feedback), &command_m) in self.actuators.iter_mut().zip(&step.command_m)

@@ -3,7 +3,9 @@
 use super::standing::{PistonsAt, Standing};
 use experiment::failure::Failure;
 use std::io::{BufRead, IsTerminal};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// Who decides, between the approach and the start, that the test may begin.
 pub struct Operator(Asked);
@@ -11,11 +13,25 @@ pub struct Operator(Asked);
 enum Asked {
     /// Nothing real moves.
     Nobody,
-    /// A script has said yes beforehand, and where the pistons stand.
-    Script(Option<PistonsAt>),
+    /// A script has said yes beforehand, and where the pistons stand before the first arming.
+    Script(Option<PistonsAt>, Arc<AtomicBool>),
     /// Lines from the keyboard.
-    Person(Receiver<String>),
+    Person(Arc<Mutex<Receiver<String>>>),
 }
+
+/// The one reader of the keyboard, for all tests of this process.
+static KEYBOARD: LazyLock<Arc<Mutex<Receiver<String>>>> = LazyLock::new(|| {
+    let (typed, keyboard) = channel();
+    std::thread::spawn(move || {
+        let lines = std::io::stdin().lock().lines();
+        for line in lines.map_while(Result::ok) {
+            if typed.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    Arc::new(Mutex::new(keyboard))
+});
 
 impl Operator {
     /// A person, who presses Enter.
@@ -28,21 +44,12 @@ impl Operator {
                 "--port: standard input is no terminal, so that nobody can be asked before the test starts: accepted is a person at the keyboard, or --yes for a script",
             ));
         }
-        let (typed, keyboard) = channel();
-        std::thread::spawn(move || {
-            let lines = std::io::stdin().lock().lines();
-            for line in lines.map_while(Result::ok) {
-                if typed.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-        Ok(Self::by(keyboard))
+        Ok(Self(Asked::Person(Arc::clone(&KEYBOARD))))
     }
 
     /// Somebody else's lines.
     pub fn by(lines: Receiver<String>) -> Self {
-        Self(Asked::Person(lines))
+        Self(Asked::Person(Arc::new(Mutex::new(lines))))
     }
 
     /// Nobody is asked: nothing real moves.
@@ -50,9 +57,10 @@ impl Operator {
         Self(Asked::Nobody)
     }
 
-    /// Nobody is asked: a script has said yes beforehand, and where the pistons stand.
-    pub fn script(pistons_at: Option<PistonsAt>) -> Self {
-        Self(Asked::Script(pistons_at))
+    /// Nobody is asked: a script has said yes beforehand, and where the pistons stand before the first arming; `used`: it has been
+    /// armed with that.
+    pub fn script(pistons_at: Option<PistonsAt>, used: Arc<AtomicBool>) -> Self {
+        Self(Asked::Script(pistons_at, used))
     }
 
     /// Somebody is there to be asked.
@@ -63,47 +71,73 @@ impl Operator {
     /// Asks, on standard error; the answer is [`agrees`](Self::agrees). What was typed before does not count.
     pub fn ask(&self, question: &str) {
         if let Asked::Person(lines) = &self.0 {
-            while lines.try_recv().is_ok() {}
+            while line(lines).is_ok() {}
             eprintln!("outerloop: {question}");
         }
     }
 
-    /// The person has pressed Enter since the question, or nobody is asked.
+    /// The person has pressed Enter, and typed nothing, since the question; or nobody is asked.
     pub fn agrees(&self) -> bool {
         match &self.0 {
-            Asked::Person(lines) => lines.try_recv().is_ok(),
-            Asked::Nobody | Asked::Script(_) => true,
+            Asked::Person(lines) => line(lines).is_ok_and(|typed| is_enter(&typed)),
+            Asked::Nobody | Asked::Script(..) => true,
         }
     }
 
     /// Whether the board may be armed with its pistons as they are: by a person who was asked [`Standing::question`], or by what a
-    /// script has said.
+    /// script has said, which counts for one arming.
     ///
     /// # Errors
-    /// The pistons stand somewhere else than was said; a script that has not said where, and nobody else sees it.
+    /// The pistons stand somewhere else than was said; a script that has not said where, and nobody else sees it; a keyboard that
+    /// is gone.
     pub fn lets_arm(&self, standing: &Standing) -> Result<bool, Failure> {
-        match &self.0 {
-            Asked::Nobody => Ok(true),
-            Asked::Script(Some(said)) => standing.compare(said).map(|()| true),
-            Asked::Script(None) if standing.seen_twice => Ok(true),
-            Asked::Script(None) => Err(Failure::input(
-                "--yes: nobody is asked where the pistons stand, and no second transducer is compared (limits.disagree_m): accepted is --piston-at MM, as their scales show, or --piston-at none where none hangs on the board; nothing has moved",
-            )),
-            Asked::Person(lines) => {
-                let Ok(line) = lines.try_recv() else {
-                    return Ok(false);
-                };
-                if standing.seen_twice {
-                    return Ok(true);
-                }
-                match line.parse() {
-                    Ok(said) => standing.compare(&said).map(|()| true),
-                    Err(sentence) => {
-                        eprintln!("outerloop: {sentence}");
-                        Ok(false)
-                    }
-                }
+        let lines = match &self.0 {
+            Asked::Nobody => return Ok(true),
+            Asked::Person(lines) => lines,
+            Asked::Script(..) if standing.seen_twice => return Ok(true),
+            Asked::Script(Some(PistonsAt::NoPiston), _) => return Ok(true),
+            Asked::Script(Some(said), used) if !used.swap(true, Ordering::Relaxed) => {
+                return standing.compare(said).map(|()| true);
             }
+            Asked::Script(..) => {
+                return Err(Failure::input(
+                    "--yes: nobody is asked where the pistons stand before this arming, and no second transducer is compared (limits.disagree_m): accepted is --piston-at MM, as their scales show, for one arming, or --piston-at none where none hangs on the board; nothing has moved",
+                ));
+            }
+        };
+        match line(lines) {
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(TryRecvError::Disconnected) => Err(Failure::test(
+                "the keyboard is gone, so that nobody says that the board may be armed; nothing has moved",
+            )),
+            Ok(typed) if standing.seen_twice => Ok(is_enter(&typed)),
+            Ok(typed) => match typed.parse() {
+                Ok(said) => standing.compare(&said).map(|()| true),
+                Err(sentence) => {
+                    eprintln!("outerloop: {sentence}");
+                    Ok(false)
+                }
+            },
         }
     }
+}
+
+/// The next line that was typed.
+fn line(lines: &Mutex<Receiver<String>>) -> Result<String, TryRecvError> {
+    lines
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .try_recv()
+}
+
+/// Enter, and nothing before it; what else is typed is no answer, and that is said.
+fn is_enter(typed: &str) -> bool {
+    let enter = typed.trim().is_empty();
+    if !enter {
+        eprintln!(
+            "outerloop: `{}` is no answer: accepted are Enter alone, or Ctrl-C",
+            typed.trim()
+        );
+    }
+    enter
 }

@@ -19,6 +19,8 @@ use experiment::judged::JudgedRun;
 use experiment::trace::{Response, TestObserver};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// On the simulated rig, on a board, or on an emulated one.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -38,6 +40,9 @@ pub struct RigArguments {
     /// `limits.disagree_m`
     #[arg(long, value_name = "MM", requires = "yes", allow_hyphen_values = true)]
     piston_at: Option<PistonsAt>,
+    /// The board has been armed with that.
+    #[arg(skip)]
+    piston_said: Arc<AtomicBool>,
     /// An emulated board goes by the wall clock.
     #[arg(skip)]
     real_time: bool,
@@ -108,7 +113,10 @@ impl RigArguments {
             return Ok(Operator::not_asked());
         }
         if self.yes {
-            return Ok(Operator::script(self.piston_at.clone()));
+            return Ok(Operator::script(
+                self.piston_at.clone(),
+                Arc::clone(&self.piston_said),
+            ));
         }
         Operator::at_keyboard()
     }

@@ -5,7 +5,7 @@ use super::{
     SignalGenerator, Trip,
 };
 use crate::rig::Rig;
-use crate::supervise::{Event, Fault, Rejected};
+use crate::supervise::{Event, Fault, Finding, Rejected};
 
 /// So many control steps a fault has to be gone before the loop can be armed: one that comes and goes stands against it.
 pub const OBSTACLE_STEPS: u32 = 200;
@@ -41,7 +41,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let rejected = Rejected {
             state: self.mode,
             event,
-            obstacle: self.obstacle().or(unseen),
+            obstacle: self.obstacle().map(|o| o.0).or(unseen),
         };
         let mut next = self.mode.after(event)?;
         match next {
@@ -81,11 +81,19 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// What stands against arming: a fault that was there in the last [`OBSTACLE_STEPS`].
-    fn obstacle(&self) -> Option<Fault> {
+    /// What stands against arming: a fault that was there in the last [`OBSTACLE_STEPS`], and how many steps ago.
+    pub fn obstacle(&self) -> Option<(Fault, u32)> {
         let since = self.tick.wrapping_sub(self.obstacle_tick);
         let obstacle = self.obstacle.filter(|_| since <= OBSTACLE_STEPS);
-        obstacle.map(|f| f.fault)
+        obstacle.map(|f| (f.fault, since))
+    }
+
+    /// What stood against arming the loop whose place this one takes.
+    pub fn take_over(&mut self, obstacle: Option<(Fault, u32)>) {
+        if let Some((fault, since)) = obstacle {
+            self.obstacle = Some(Finding::fact(fault));
+            self.obstacle_tick = self.tick.wrapping_sub(since);
+        }
     }
 
     /// Exchanges the whole design while idle.

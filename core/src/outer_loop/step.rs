@@ -182,7 +182,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             .stale
             .update(sample.fresh, &sample.displacement_m, target_m, watched);
         if !seen.usable {
-            self.flags |= flag::STALE;
+            let missed = if sample.fresh { 0 } else { flag::MISSED };
+            self.flags |= flag::STALE | missed;
         }
         seen
     }

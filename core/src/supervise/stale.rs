@@ -6,6 +6,8 @@
 /// (at least `T` and 20 ms) that is less than `8x`.
 const STANDS: f32 = 0.375;
 const FAR: f32 = 3.0;
+/// Misses are counted up to here: a converter that is back counts as that soon.
+const MOST_MISSED: u16 = 400;
 
 /// Counts how long samples have been stale.
 ///
@@ -101,7 +103,7 @@ impl<const N: usize> StaleWatch<N> {
         self.missed = if fresh {
             self.missed.saturating_sub(1)
         } else {
-            self.missed.saturating_add(1)
+            self.missed.saturating_add(1).min(MOST_MISSED)
         };
         self.steps = if usable {
             0

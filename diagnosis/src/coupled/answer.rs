@@ -6,6 +6,7 @@ use super::select::{Chosen, Wrong};
 use super::specimen::{CoupledSpecimen, MATRICES};
 use crate::answer::Errors;
 use crate::declared::Declared;
+use crate::engine::verdict::SURE;
 use crate::interval::{NINETY, improvement};
 use crate::signals::{difference, mean, rms};
 use schemars::JsonSchema;
@@ -49,6 +50,13 @@ pub struct WrongEntry {
     pub probability: f64,
     /// Entries that would explain the record as well, `mass of x_m by x_m`.
     pub alternatives: Vec<String>,
+}
+
+impl WrongEntry {
+    /// Whether it, and no other in its place, is wrong.
+    fn is_sure(&self) -> bool {
+        self.probability >= SURE && self.alternatives.is_empty()
+    }
 }
 
 /// Forces of a coordinate on the test data, N or N m, for plots.
@@ -180,10 +188,8 @@ impl Judge<'_> {
             (true, true) => CoupledVerdict::None,
             (true, false) => CoupledVerdict::Unknown,
             (false, false) => CoupledVerdict::Partial,
-            (false, true) if wrong.iter().any(|w| !w.alternatives.is_empty()) => {
-                CoupledVerdict::Ambiguous
-            }
-            (false, true) => CoupledVerdict::Effect,
+            (false, true) if wrong.iter().all(WrongEntry::is_sure) => CoupledVerdict::Effect,
+            (false, true) => CoupledVerdict::Ambiguous,
         };
         let notes = self.notes(i, silent && !wrong.is_empty());
         let before = rest(self.test, &declared);

@@ -10,7 +10,6 @@ use crate::declared::Declared;
 use crate::engine::beam::{Beam, Scored};
 use crate::engine::posterior::{Candidate, Name, Posterior};
 use crate::engine::score::{BLOCKS, Evidence};
-use crate::engine::search::price_of_more;
 use crate::engine::verdict::{NOTHING, RIVALS, Said, verdict};
 use nalgebra::{DMatrix, DVector};
 use plant::Family;
@@ -64,8 +63,8 @@ impl Held<'_> {
         })
     }
 
-    /// Covariance of [`Held::off`], scaled to a diagonal of ones, inverted, and the scale.
-    fn certainty(&self) -> (DMatrix<f64>, DVector<f64>) {
+    /// Covariance of [`Held::off`], scaled to a diagonal of ones, and the scale.
+    fn covariance(&self) -> (DMatrix<f64>, DVector<f64>) {
         let n = self.kept.len();
         let both = DMatrix::from_fn(n, n, |c, d| {
             let (k, l) = (self.kept[c], self.kept[d]);
@@ -82,22 +81,26 @@ impl Held<'_> {
         let scaled = DMatrix::from_fn(n, n, |c, d| {
             both[(c, d)] * scale[c] * scale[d] + if c == d { 1e-10 } else { 0.0 }
         });
-        let inverse = scaled
-            .cholesky()
-            .map_or_else(|| DMatrix::identity(n, n), |c| c.inverse());
-        (inverse, scale)
+        (scaled, scale)
     }
 
     fn distance(&self) -> f64 {
-        let (inverse, scale) = self.certainty();
+        let (covariance, scale) = self.covariance();
         let off = self.off().component_mul(&scale);
-        off.dot(&(inverse * &off))
+        match covariance.cholesky() {
+            Some(c) => off.dot(&c.solve(&off)),
+            None => off.norm_squared(),
+        }
     }
 
     /// Every entry from the record and the declaration of those that are kept.
     fn together(&self) -> Vec<Declared> {
         let all = self.estimate.value.len();
-        let (inverse, scale) = self.certainty();
+        let (covariance, scale) = self.covariance();
+        let n = self.kept.len();
+        let inverse = covariance
+            .cholesky()
+            .map_or_else(|| DMatrix::identity(n, n), |c| c.inverse());
         let turn = DMatrix::from_fn(all, self.kept.len(), |k, c| {
             self.estimate.covariance[(k, self.kept[c])] * scale[c]
         });
@@ -127,8 +130,7 @@ fn held<'a>(declared: &'a [Declared], estimate: &'a Estimate, given_up: &[usize]
 pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
     let evidence = |given_up: &[usize]| {
         let against = 0.5 * held(declared, estimate, given_up).distance();
-        let price = ENTRY * given_up.len() as f64 + price_of_more(given_up.len());
-        Evidence::of_samples(against, price)
+        Evidence::of_samples(against, ENTRY * given_up.len() as f64)
     };
     let scored = |atoms: Vec<usize>| Scored {
         evidence: evidence(&atoms),

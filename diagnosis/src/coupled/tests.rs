@@ -119,6 +119,27 @@ fn one_wrong_entry_is_named_with_an_interval_that_holds() {
 }
 
 #[test]
+fn several_wrong_entries_are_all_named_each_with_its_probability() {
+    let mut wrong = declared();
+    wrong.stiffness[0][0].value *= 1.5;
+    wrong.damping[1][1].value *= 3.0;
+    wrong.mass[0][0].value *= 4.0;
+    let d = ask(&wrong, WIDE, true);
+    let named = |i: usize| -> Vec<&str> {
+        let wrong = d.coordinates[i].wrong.iter();
+        let mut names: Vec<&str> = wrong.map(|w| w.matrix).collect();
+        names.sort_unstable();
+        names
+    };
+    assert_eq!(named(0), ["mass", "stiffness"]);
+    assert_eq!(named(1), ["damping"]);
+    for c in &d.coordinates {
+        assert_eq!(c.verdict, CoupledVerdict::Effect, "{c:?}");
+        assert!(c.wrong.iter().all(|w| w.probability > 0.9), "{c:?}");
+    }
+}
+
+#[test]
 fn a_target_keeps_noise_from_making_a_mass_too_small() {
     let mut wrong = declared();
     wrong.mass[0][0].value = 400.0;

@@ -2,9 +2,9 @@
 
 // Entries that are named.
 
-/// What an entry costs that is given up, nats: with what speaks for a name at all, the first one is five standard deviations
-/// off, and a further one four.
-pub const ENTRY: f64 = 4.5;
+/// What an entry costs that is given up, nats: with what speaks against the declaration at all, one alone is named from some five
+/// standard deviations on, and each of several from some four.
+pub const ENTRY: f64 = 5.0;
 /// Rounding, as a share of an entry.
 pub const ROUNDING: f64 = 1e-6;
 

@@ -189,7 +189,8 @@ impl ChannelDiagnosis<'_> {
         match &found.said {
             Said::Nothing => {
                 let plain = found.nothing.as_ref();
-                answer.ordinary = plain.is_some_and(|f| channel.data.is_of_higher_order(f));
+                let parts = plain.is_some_and(|f| channel.data.is_of_higher_order(f));
+                answer.ordinary = parts && channel.is_ordinary(&answer.error_before);
             }
             said if channel.is_of_its_kind(said, &answer.error_before) => answer.ordinary = true,
             said if channel.is_of_its_class(said, &answer.error_before) => {}

@@ -4,7 +4,7 @@ use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::coherence::linear_share;
-use crate::criteria::{BESIDE_NOISE, LINES, LITTLE, TRANSDUCER};
+use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::expected_error::next_error;
 use crate::recording::{Recording, range};
 use crate::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
@@ -280,8 +280,6 @@ impl ChannelDiagnosis<'_> {
         let Some(share) = share.filter(|s| *s < LITTLE) else {
             return;
         };
-        // Of a noise that hides what is missing a larger motion tells.
-        answer.disturbed |= answer.error_after.test_rms > BESIDE_NOISE * answer.noise_floor_rms;
         let [input, output] = match self.base.channel {
             Channel::Actuator => ["command", "displacement"],
             Channel::Specimen => ["displacement", "force"],

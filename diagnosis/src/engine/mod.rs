@@ -36,7 +36,7 @@ mod polish;
 pub mod posterior;
 mod row;
 pub mod score;
-pub mod search;
+mod search;
 mod settle;
 mod sliding;
 mod specimen;

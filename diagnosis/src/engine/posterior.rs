@@ -216,7 +216,7 @@ mod tests {
         let posterior = Posterior::of(vec![
             candidate(&[], 9.0, 0.0),
             candidate(&[friction, backlash], 0.5, 7.5),
-            candidate(&[damping, backlash], 0.7, 7.5),
+            candidate(&[damping, backlash], 0.6, 7.5),
             candidate(&[friction, damping], 6.0, 7.5),
         ]);
         let Said::Names(n) = verdict(&posterior, NOTHING) else {

@@ -38,12 +38,7 @@ pub fn price_of_many(families: &[Family]) -> f64 {
     for i in 0..n {
         kin += usize::from(families[..i].contains(&families[i]));
     }
-    price_of_more(n) + 2.5 * kin as f64
-}
-
-/// What so many terms cost beside each by itself.
-pub fn price_of_more(terms: usize) -> f64 {
-    1.5 * (terms.saturating_sub(1) as f64).powf(1.5)
+    1.5 * ((n - 1) as f64).powf(1.5) + 2.5 * kin as f64
 }
 
 /// Everything that is searched.

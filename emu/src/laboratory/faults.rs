@@ -27,7 +27,13 @@ impl Laboratory {
         let middle = (top / 2.0).ceil();
         // One code up, one down, by a sequence that repeats after seven steps.
         let noise = [0.0, 1.0, -1.0, 1.0, 0.0, -1.0, 0.0][(self.steps % 7) as usize];
+        let gone = !self.steps.is_multiple_of(3);
         match self.active {
+            Some(InjectedFault::KnownVoltageFlickers) => shown.known_gone = gone,
+            Some(InjectedFault::ReadBackFlickers) => shown.read_back_open = gone,
+            Some(InjectedFault::SecondSensorFlickers) if gone => {
+                shown.second_displacement = middle;
+            }
             Some(InjectedFault::SensorAtRail) => shown.displacement[self.victim] = top,
             Some(InjectedFault::FrozenSensor) => {
                 shown.displacement[self.victim] = self.frozen.displacement[self.victim];
@@ -137,6 +143,9 @@ impl Laboratory {
             | InjectedFault::DeadSecondSensor
             | InjectedFault::NoKnownVoltage
             | InjectedFault::ReadBackOpen
+            | InjectedFault::KnownVoltageFlickers
+            | InjectedFault::ReadBackFlickers
+            | InjectedFault::SecondSensorFlickers
             | InjectedFault::NoiseBurst
             | InjectedFault::DeadValve
             | InjectedFault::Gain { .. }

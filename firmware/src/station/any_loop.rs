@@ -89,6 +89,12 @@ impl AnyLoop {
         each_loop!(self, outer => outer.handle(event))
     }
 
+    /// What stands against arming this loop stands against arming the one that takes its place.
+    pub fn hand_obstacle_to(&self, next: &mut Self) {
+        let obstacle = each_loop!(self, outer => outer.obstacle());
+        each_loop!(next, outer => outer.take_over(obstacle));
+    }
+
     /// Takes the targets of the next test from the PC, or from the loop's own integration.
     pub fn set_pace(&mut self, pace: Option<Pace>) {
         each_loop!(self, outer => outer.set_pace(pace));

@@ -424,7 +424,11 @@ fn a_piston_that_stands_elsewhere_than_it_is_read_is_not_armed() {
     // A script says it beforehand, or has a second transducer.
     let by = |said: Option<&str>| {
         let said = said.map(|text| text.parse().unwrap());
-        run_by(&t, connect(loopback(&t)), Operator::script(said))
+        run_by(
+            &t,
+            connect(loopback(&t)),
+            Operator::script(said, Arc::default()),
+        )
     };
     let sentence = by(None).unwrap_err().to_string();
     assert!(sentence.contains("--piston-at"), "{sentence}");
@@ -451,6 +455,7 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     board.mishaps.extend([
         (700, types("")),
         (800, types("0.2")),
+        (2900, types("no")),
         (3000, types("")),
         (8000, press(true)),
         (8200, press(false)),
