@@ -31,7 +31,6 @@ use crate::rig::{DirectRig, Rig};
 use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
 use crate::watch::Post;
-pub use operate::OBSTACLE_STEPS;
 
 /// What was measured in a control step, and what the board knows about it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,10 +5,7 @@ use super::{
     SignalGenerator, Trip,
 };
 use crate::rig::Rig;
-use crate::supervise::{Event, Fault, Finding, Rejected};
-
-/// So many control steps a fault has to be gone before the loop can be armed: one that comes and goes stands against it.
-pub const OBSTACLE_STEPS: u32 = 200;
+use crate::supervise::{Event, Fault, Finding, OBSTACLE_STEPS, Rejected};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What the loop is doing.

@@ -13,5 +13,5 @@ pub(crate) use history::History;
 pub use interlock::InterlockLimits;
 pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
-pub use mode::{Event, Mode, Rejected};
+pub use mode::{Event, Mode, OBSTACLE_STEPS, Rejected};
 pub(crate) use stale::{StaleWatch, Staleness};

@@ -127,6 +127,9 @@ impl Event {
     }
 }
 
+/// So many control steps a fault has to be gone before the loop can be armed: one that comes and goes stands against it.
+pub const OBSTACLE_STEPS: u32 = 200;
+
 /// An event that means nothing in the present mode. Nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
