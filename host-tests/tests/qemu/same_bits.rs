@@ -129,7 +129,9 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
             _ => 41,
         };
         let asked = (draw / 7).is_multiple_of(one_in);
-        let fault = (draw % 997 == 3).then(|| BOARDS[draw as usize / 997 % BOARDS.len()]);
+        // Idle, a fault stands against arming for 200 steps: there are fewer, or hardly any test begins.
+        let drawn = draw % 997 == 3 && (mode != Mode::Idle || (draw / 997).is_multiple_of(11));
+        let fault = drawn.then(|| BOARDS[draw as usize / 997 % BOARDS.len()]);
         let mut seen = seen.borrow_mut();
         if asked {
             seen.0.insert((mode as u8, event as u8));
@@ -139,7 +141,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
         }
         (asked.then_some(event), fault)
     };
-    if same::<1>(&scenario, 120_000, &random).is_none() {
+    if same::<1>(&scenario, 200_000, &random).is_none() {
         return;
     }
     let (pairs, faults) = seen.into_inner();
@@ -151,13 +153,12 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
         .flat_map(|mode| Event::ALL.map(|event| (mode, event)))
         .filter(|(mode, event)| !pairs.contains(&(*mode as u8, *event as u8)));
     assert_eq!(missing.collect::<Vec<_>>(), []);
-    // The other two are drawn in other modes only.
-    let running = BOARDS
-        .iter()
-        .filter(|f| !matches!(f, Fault::PermitChain | Fault::Output));
+    let missing = BOARDS.iter().filter(|f| !faults.contains(&f.code()));
+    // These two are drawn in other modes at least.
+    let missing = missing.filter(|f| !matches!(f, Fault::PermitChain | Fault::Output));
     assert_eq!(
-        faults,
-        running.map(|f| f.code()).collect(),
+        missing.collect::<Vec<_>>(),
+        [&Fault::AdcRail; 0],
         "in a running test"
     );
 }
