@@ -36,7 +36,7 @@ pub struct RigArguments {
     #[arg(long, requires = "port")]
     yes: bool,
     /// Where the pistons stand on their scales, mm, one for each actuator with commas between them, or none where none hangs on
-    /// the board; compared with what the board reads before it is armed. Needed with --yes where the test states no
+    /// the board; compared with what the board reads before it is armed, once. Needed with --yes where the test states no
     /// `limits.disagree_m`
     #[arg(long, value_name = "MM", requires = "yes", allow_hyphen_values = true)]
     piston_at: Option<PistonsAt>,

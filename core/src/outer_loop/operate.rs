@@ -85,12 +85,12 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         obstacle.map(|f| (f.fault, since))
     }
 
-    /// What stood against arming the loop whose place this one takes.
+    /// What stood against arming the loop whose place this one takes, and how many steps ago, stands against arming this one; nothing
+    /// else does.
     pub fn take_over(&mut self, obstacle: Option<(Fault, u32)>) {
-        if let Some((fault, since)) = obstacle {
-            self.obstacle = Some(Finding::fact(fault));
-            self.obstacle_tick = self.tick.wrapping_sub(since);
-        }
+        let (fault, since) = obstacle.unzip();
+        self.obstacle = fault.map(Finding::fact);
+        self.obstacle_tick = self.tick.wrapping_sub(since.unwrap_or(0));
     }
 
     /// Exchanges the whole design while idle.

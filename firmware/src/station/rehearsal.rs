@@ -55,9 +55,12 @@ fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; T
     let (mut ticks, mut solved) = ([0; TIMED], 0);
     for step in 0..STEPS {
         // Of a test of long integration steps the start is nearly all that is solved.
-        // What stands against arming in a test has to be gone for longer than a rehearsal takes.
-        if solved < step / LONGEST || outer.obstacle().is_some() {
+        if solved < step / LONGEST {
             start_anew(outer);
+        }
+        // What stands against arming a test has to be gone for half as long as a rehearsal takes; here it has to be gone.
+        if outer.obstacle().is_some_and(|(_, since)| since > 1) {
+            outer.take_over(None);
         }
         // As soon as each means something; before that it is refused, and nothing has changed.
         for event in [Event::Clear, Event::Arm, Event::Start] {
