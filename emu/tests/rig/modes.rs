@@ -79,11 +79,16 @@ fn go(desk: &mut Desk, mode: Mode) {
                 wait(desk, 400);
             }
             Event::Start => desk.until(Mode::Armed),
-            Event::Arm | Event::Stop | Event::Finish | Event::Fault | Event::Clear => {}
+            // What stood against it has to be gone for a while.
+            Event::Arm => wait(desk, 300),
+            Event::Stop | Event::Finish | Event::Fault | Event::Clear => {}
         }
         desk.order(Command::Event(*event));
     }
     desk.until(mode);
+    if mode == Mode::Idle {
+        wait(desk, 300);
+    }
 }
 
 /// Back to idle from wherever an event has led.

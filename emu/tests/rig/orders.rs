@@ -87,7 +87,9 @@ fn arming_wants_a_test_and_something_to_run() {
     desk.order(Command::Signal(None));
     assert_eq!(obstacle(&mut desk, arm()), Some(Obstacle::NothingToRun));
     desk.order(Command::Signal(Some(signal)));
-    desk.order(arm());
+    // The board had lost the PC, which has to be gone for a while.
+    let armed = (0..1000).any(|_| matches!(desk.ask(arm()), Reply::Done { .. }));
+    assert!(armed);
     desk.until(Mode::Armed);
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
