@@ -100,14 +100,8 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let said = match answer.verdict {
-        Verdict::None if answer.ordinary => format!(
-            "Nothing is missing: an ordinary ram, whose valve, oil and seals leave {:.2} % of the motion beyond its delay and lag, \
-             {before:.4} {unit} rms.",
-            100.0 * answer.error_before.test_nrmse
-        ),
         Verdict::None => format!(
-            "No law of the table and no parameter outside its tolerance is worth its price: what is left is {before:.4} {unit} \
-             rms."
+            "No law of the table and no parameter outside its tolerance is worth its price: what is left is {before:.4} {unit} rms."
         ),
         Verdict::Unknown => format!(
             "What the declared model leaves ({before:.4} {unit} rms) has no name that is probable enough; the model is left as \

@@ -1,5 +1,6 @@
 //! What is said of a channel: data only, so that every part of the diagnosis may use it.
 
+use crate::model::Model;
 use crate::signals::difference;
 use plant::{Channel, Effect, Family};
 use schemars::JsonSchema;
@@ -216,6 +217,9 @@ pub struct Nearest {
     pub name: Effect,
     /// Share of the structured mean square that it explains.
     pub explained: f64,
+    /// The channel's model with it alone.
+    #[serde(skip)]
+    pub model: Model,
 }
 
 /// Errors of a model.

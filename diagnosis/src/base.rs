@@ -56,7 +56,7 @@ impl Base {
                 })
                 .collect(),
             known: effects.iter().filter(|e| e.enabled).cloned().collect(),
-            elements: elements.to_vec(),
+            elements: elements.iter().filter(|e| e.enabled).cloned().collect(),
         })
     }
 

@@ -80,6 +80,18 @@ impl Model {
         model
     }
 
+    /// The model without anything that is known of a channel beyond its parameters.
+    pub(crate) fn bare(&self, channel: Channel) -> Self {
+        let mut model = self.clone();
+        if let Some((_, effects)) = model.channel_mut(channel) {
+            effects.clear();
+        }
+        if let (Channel::Specimen, Some(specimen)) = (channel, &mut model.specimen) {
+            specimen.elements.clear();
+        }
+        model
+    }
+
     /// Places of a channel's parameters and effects, where it is declared.
     pub(crate) fn channel_mut(&mut self, channel: Channel) -> Option<ChannelPlaces<'_>> {
         match channel {

@@ -14,7 +14,7 @@ mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
-use crate::fit::{Solution, settle};
+use crate::fit::settle;
 use crate::model::Model;
 use crate::problem::Problem;
 use crate::recording::Recording;
@@ -199,8 +199,8 @@ impl ChannelDiagnosis<'_> {
         let Some(noise) = self.noise(cutoff_hz) else {
             return self.errors_without_verdict(&problem, cutoff_hz);
         };
-        let settled = settle(&problem, &self.base, &noise, &[]);
-        let steps = |s: &Solution| self.is_quantisation_only(s, &noise);
+        let settled = settle(&problem, &self.base, &noise);
+        let steps = |s: &Problem| self.is_quantisation_only(s, &noise);
         if let Some(settled) = settled.filter(steps) {
             return self.nothing_but_steps(&settled, &noise, cutoff_hz);
         }

@@ -1,20 +1,17 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
 use crate::base::{Base, FreeParameter};
-use crate::library::candidate::Candidate;
 use crate::library::form;
 use crate::library::saved::fit_of;
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::segment::{Segment, corners, settling};
 use crate::signals::{
-    Scales, Signals, Transfer, add_columns, add_scaled, averaged, derivative, difference,
-    difference_quotient, lagged, peak,
+    Scales, Signals, Transfer, add_columns, add_scaled, derivative, difference, lagged, peak,
 };
 use crate::spectrum;
 use crate::travel;
 use plant::Channel;
-use std::borrow::Cow;
 
 /// Records of one channel.
 #[derive(Clone, Debug)]
@@ -25,17 +22,6 @@ pub struct Problem {
     pub theta: [f64; 4],
     /// What shapes are measured by.
     pub scales: Scales,
-}
-
-/// An effect as it was fitted.
-#[derive(Clone, Debug)]
-pub struct FittedEffect {
-    /// Which.
-    pub candidate: Candidate,
-    /// Its shape parameters.
-    pub shapes: Vec<f64>,
-    /// Its amplitudes.
-    pub amplitudes: Vec<f64>,
 }
 
 /// A channel's view of one recording; `motion_mm` is its displacement where that is known better than by its reading.
@@ -148,51 +134,6 @@ impl Problem {
         Some(problem)
     }
 
-    /// The same with every signal averaged over `n` samples: for a search, where a small error of a fast effect does
-    /// not matter. The answer stays that of the full rate; [`Problem::set`] would compute it at the low one.
-    pub fn thinned(&self, n: usize) -> Self {
-        let thin = |x: &Vec<f64>| averaged(x, n);
-        let segments = self.segments.iter().map(|segment| {
-            let s = &segment.signals;
-            let target = thin(&segment.target);
-            let fewer = |samples: &[usize]| {
-                let mut samples: Vec<usize> = samples.iter().map(|i| i / n).collect();
-                samples.dedup();
-                samples.retain(|i| *i < target.len());
-                samples
-            };
-            let (corners, unmeasured) = (fewer(&segment.corners), fewer(&segment.unmeasured));
-            Segment {
-                signals: Signals {
-                    interval_s: s.interval_s * n as f64,
-                    time_s: thin(&s.time_s),
-                    x: thin(&s.x),
-                    largest_before_mm: s.largest_before_mm,
-                    travel_before_mm: s.travel_before_mm,
-                    v: thin(&s.v),
-                    a: thin(&s.a),
-                    base: thin(&s.base),
-                    reading: thin(&s.reading),
-                    force: thin(&s.force),
-                    command: thin(&s.command),
-                },
-                target,
-                corners,
-                unmeasured,
-                lead: segment.lead / n,
-                from: segment.from.div_ceil(n),
-            }
-        });
-        Self {
-            segments: segments.collect(),
-            theta: self.theta,
-            scales: Scales {
-                step_s: self.scales.step_s * n as f64,
-                ..self.scales
-            },
-        }
-    }
-
     /// Sizes of the motion.
     fn measure(&mut self, base: &Base) {
         let largest = |of: fn(&Signals) -> &Vec<f64>| {
@@ -301,157 +242,12 @@ impl Problem {
         base.free.iter().map(column).collect()
     }
 
-    /// What effects see behind the stages among them, which pass the base on changed.
-    pub fn staged<'s>(
-        &self,
-        segment: &'s Segment,
-        effects: &[(Candidate, &[f64])],
-        scales: &Scales,
-    ) -> Cow<'s, Signals> {
-        let mut signals = Cow::Borrowed(&segment.signals);
-        for (candidate, shapes) in effects {
-            if let Some(stage) = candidate.stage {
-                let s = signals.to_mut();
-                if candidate.channel == Channel::Actuator {
-                    s.base = stage(&s.base, shapes, scales);
-                    s.x.clone_from(&s.base);
-                    s.v = derivative(&s.x, s.interval_s);
-                    s.a = derivative(&s.v, s.interval_s);
-                } else {
-                    // Between two samples a straight line averages the noise of both: a fit would see a gain in that.
-                    let rough = s
-                        .reading
-                        .iter()
-                        .zip(&s.x)
-                        .map(|(r, x)| self.theta[0] * (r - x));
-                    let rough: Vec<f64> = rough.collect();
-                    add_scaled(&mut s.base, &rough, -1.0);
-                    s.base = stage(&s.base, shapes, scales);
-                    let whole = (shapes[0] / scales.step_s).round() * scales.step_s;
-                    add_scaled(&mut s.base, &stage(&rough, &[whole], scales), 1.0);
-                    // A reading that is late is late for every force in it.
-                    for x in [&mut s.x, &mut s.v, &mut s.a] {
-                        *x = stage(x, shapes, scales);
-                    }
-                }
-            }
-        }
-        signals
-    }
-
-    /// How the answer behind the stages changes with the free parameters.
-    pub fn staged_columns(
-        &self,
-        base: &Base,
-        segment: &Segment,
-        effects: &[(Candidate, &[f64])],
-    ) -> Vec<Vec<f64>> {
-        let mut columns = self.base_columns(base, segment);
-        let mut here = segment.signals.base.clone();
-        for (candidate, shapes) in effects {
-            let Some(stage) = candidate.stage else {
-                continue;
-            };
-            let after = stage(&here, shapes, &self.scales);
-            for (free, column) in base.free.iter().zip(&mut columns) {
-                let (moved, step) = if candidate.instead_of == Some(free.index) {
-                    // The parameter and the effect's shape are one sum, in ms and in s.
-                    let step = 1e-6;
-                    let moved: Vec<f64> = shapes.iter().map(|s| s + step).collect();
-                    (stage(&here, &moved, &self.scales), 1e3 * step)
-                } else {
-                    // A small step along the column, through the stage.
-                    let step = 1e-3 * self.scales.base / peak(&*column).max(f64::MIN_POSITIVE);
-                    let mut moved = here.clone();
-                    add_scaled(&mut moved, column, step);
-                    (stage(&moved, shapes, &self.scales), step)
-                };
-                *column = difference_quotient(&moved, &after, step);
-            }
-            here = after;
-        }
-        columns
-    }
-
-    /// The answer with effects: the base behind their stages, and their columns.
-    pub fn answer(&self, segment: &Segment, effects: &[FittedEffect], scales: &Scales) -> Vec<f64> {
-        let stages: Vec<(Candidate, &[f64])> = effects
-            .iter()
-            .map(|e| (e.candidate, e.shapes.as_slice()))
-            .collect();
-        let signals = self.staged(segment, &stages, scales);
-        let mut y = signals.base.clone();
-        for effect in effects {
-            let columns = (effect.candidate.columns)(&signals, &effect.shapes, scales);
-            add_columns(&mut y, &columns, &effect.amplitudes, 1.0);
-        }
-        y
-    }
-
     /// Measured less modelled, segment by segment, from the first sample on that is looked at; 0 where nobody measured.
-    pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
+    pub fn residuals(&self) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {
-            let y = self.answer(s, effects, scales);
-            s.measured(difference(s.seen(&s.target), s.seen(&y)))
+            let left = difference(s.seen(&s.target), s.seen(&s.signals.base));
+            s.measured(left)
         };
         self.segments.iter().map(residual).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::library::candidates;
-    use crate::model::{Declared, Model, SpecimenModel};
-    use crate::signals::rms;
-    use plant::Effect;
-    use rand_distr::{Distribution, StandardNormal};
-
-    #[test]
-    fn a_skew_of_half_a_sample_does_not_quieten_the_reading() {
-        let h = 1e-3;
-        let mut rng =
-            <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(5);
-        let moves: Vec<f64> = (0..8000).map(|i| (0.02 * f64::from(i)).sin()).collect();
-        let noise: Vec<f64> = (0..8000)
-            .map(|_| 1e-3 * Distribution::<f64>::sample(&StandardNormal, &mut rng))
-            .collect();
-        let record = Recording {
-            time_s: (0..8000).map(|i| f64::from(i) * h).collect(),
-            displacement_mm: Some(moves.iter().zip(&noise).map(|(x, n)| x + n).collect()),
-            force_n: Some(moves.iter().map(|x| 100.0 * x).collect()),
-            ..Recording::default()
-        };
-        let stiffness = Declared {
-            value: 100.0,
-            tolerance: 1.0,
-        };
-        let model = Model {
-            specimen: Some(SpecimenModel {
-                stiffness_n_per_mm: Some(stiffness),
-                ..SpecimenModel::default()
-            }),
-            ..Model::default()
-        };
-        let base = Base::of(&model, Channel::Specimen).unwrap();
-        let problem = Problem::new(&base, &[record], 20.0, &[]).unwrap();
-        let candidate = candidates(Channel::Specimen)
-            .into_iter()
-            .find(|c| c.effect == Effect::ChannelSkew)
-            .unwrap();
-        // What the motion makes of a skew is taken off: what is left is what becomes of the noise.
-        let left = |skew_s: f64| {
-            let skew = FittedEffect {
-                candidate,
-                shapes: vec![skew_s],
-                amplitudes: Vec::new(),
-            };
-            let late = crate::signals::delayed(&moves, skew_s, h);
-            let answer = problem.answer(&problem.segments[0], &[skew], &problem.scales);
-            let noise = answer.iter().zip(late).map(|(y, x)| y - 100.0 * x);
-            rms(&[noise.collect()])
-        };
-        let ratio = left(0.5 * h) / left(0.0);
-        assert!((0.95..1.05).contains(&ratio), "{ratio}");
     }
 }

@@ -27,6 +27,13 @@ pub struct SavedElement {
     /// a force that is steep at rest makes much of the noise of a speed. A motion without noise needs none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutoff_hz: Option<f64>,
+    /// Whether it acts; what comes nearest where nothing can be vouched for is saved switched off.
+    #[serde(default = "enabled", skip_serializing_if = "Clone::clone")]
+    pub enabled: bool,
+}
+
+const fn enabled() -> bool {
+    true
 }
 
 impl SavedElement {

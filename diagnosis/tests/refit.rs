@@ -94,16 +94,25 @@ fn what_comes_nearest_is_saved_switched_off_and_changes_nothing() {
     assert_eq!(a.verdict, Verdict::Unknown, "{:?}", a.notes);
     let nearest = a.nearest.as_ref().unwrap().name;
     let saved = d.improved.specimen.as_ref().unwrap();
-    let off: Vec<_> = saved.effects.iter().map(|e| (e.name, e.enabled)).collect();
+    let effects = saved.effects.iter().map(|e| (e.name, e.enabled));
+    let elements = saved.elements.iter().map(|e| (e.name, e.enabled));
+    let off: Vec<_> = effects.chain(elements).collect();
     assert_eq!(off, [(nearest, false)]);
     let again = diagnose(&d.improved, &train, &test, &[]).unwrap();
     let [first, second] = [&d, &again].map(|d| d.channels[0].error_before.test_rms);
     assert!((first - second).abs() < 0.01 * first, "{first} {second}");
     // Switched on it is a part of the model.
     let mut on = d.improved.clone();
-    on.specimen.as_mut().unwrap().effects[0].enabled = true;
+    let own = on.specimen.as_mut().unwrap();
+    own.effects.iter_mut().for_each(|e| e.enabled = true);
+    own.elements.iter_mut().for_each(|e| e.enabled = true);
     let on = diagnose(&on, &train, &test, &[]).unwrap();
-    assert!(on.channels[0].error_declared.test_rms != a.error_declared.test_rms);
+    let explained = a.nearest.as_ref().unwrap().explained;
+    let left = on.channels[0].error_before.test_rms / a.error_before.test_rms;
+    assert!(
+        (left - (1.0 - explained).sqrt()).abs() < 0.05,
+        "{left} {explained}"
+    );
 }
 
 #[test]

@@ -208,9 +208,11 @@ impl ChannelDiagnosis<'_> {
             Said::Unknown(likeliest) => {
                 answer.verdict = Verdict::Unknown;
                 if let Some(c) = likeliest {
-                    let [_, left] = channel.left(&c.model)?;
+                    let fit = channel.data.settled(&c.model);
+                    let [_, left] = channel.left(&fit)?;
                     let name = c.names.first().copied().unwrap_or(Effect::Offset);
-                    answer.nearest = Some(nearest_of(name, &before[1], &left));
+                    answer.nearest =
+                        Some(self.nearest(name, channel.data, &fit, [&before[1], &left], improved));
                 }
             }
         }
@@ -280,7 +282,8 @@ impl ChannelDiagnosis<'_> {
         let little = beyond(errors.test_rms) > most * beyond(answer.error_before.test_rms);
         if little || gain[0] <= 0.0 && !is_set {
             answer.verdict = Verdict::Unknown;
-            answer.nearest = Some(nearest_of(names[0].0, &before[1], &after[1]));
+            let left = [&before[1][..], &after[1]];
+            answer.nearest = Some(self.nearest(names[0].0, channel.data, fit, left, improved));
             return None;
         }
         answer.noise_floor_rms = answer.noise_floor_rms.min(errors.test_rms);
@@ -328,6 +331,25 @@ impl ChannelDiagnosis<'_> {
         Some(after)
     }
 
+    /// A model that cannot be vouched for, and what it explains of the held-out squares.
+    fn nearest<A: Asked>(
+        &self,
+        name: Effect,
+        data: &A,
+        fit: &A::Fit,
+        [before, after]: [&[Vec<f64>]; 2],
+        model: &Model,
+    ) -> Nearest {
+        let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
+        let mut model = model.bare(self.base.channel);
+        data.save(fit, &mut model);
+        Nearest {
+            name,
+            explained: (1.0 - share * share).clamp(0.0, 1.0),
+            model,
+        }
+    }
+
     /// What stands beside names that are sure.
     fn say_beside<F>(&self, answer: &mut ChannelAnswer, named: &Named<F>) {
         let open = named.more && !named.lead && !named.beside.is_empty();
@@ -359,14 +381,5 @@ impl ChannelDiagnosis<'_> {
             Some(Traces::of(signals.map(|x| judged(x)), [before, after]))
         });
         first.unwrap_or_default()
-    }
-}
-
-/// What a name explains of the held-out squares.
-fn nearest_of(name: Effect, before: &[Vec<f64>], after: &[Vec<f64>]) -> Nearest {
-    let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
-    Nearest {
-        name,
-        explained: (1.0 - share * share).clamp(0.0, 1.0),
     }
 }

@@ -2,7 +2,6 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::answer::*;
-use crate::fit::Solution;
 use crate::noise::Noise;
 use crate::problem::Problem;
 use crate::recording::Recording;
@@ -15,22 +14,21 @@ type HeldOut = (Problem, Vec<Vec<f64>>);
 
 impl ChannelDiagnosis<'_> {
     /// Errors on training and held-out data, the held-out problem and its residuals.
-    pub(super) fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
+    pub(super) fn errors(&self, settled: &Problem, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
         let of = |problem: &Problem, residuals: &[Vec<f64>]| {
             let targets = problem.segments.iter().map(|s| s.seen(&s.target));
             nrmse(residuals, &targets.collect::<Vec<_>>().concat())
         };
-        let scales = s.problem.scales;
-        let train = s.problem.residuals(&s.effects, &scales);
+        let train = settled.residuals();
         let mut errors = Errors {
-            train_nrmse: of(&s.problem, &train),
+            train_nrmse: of(settled, &train),
             ..Errors::default()
         };
         let held_out = self.problem(self.test, cutoff_hz).map(|mut problem| {
             // The base answer at the parameters of the fit; the shapes are measured by the training data.
-            problem.scales = scales;
-            problem.set(&self.base, s.problem.theta);
-            let residuals = problem.residuals(&s.effects, &scales);
+            problem.scales = settled.scales;
+            problem.set(&self.base, settled.theta);
+            let residuals = problem.residuals();
             (problem, residuals)
         });
         if let Some((problem, residuals)) = &held_out {
@@ -43,7 +41,7 @@ impl ChannelDiagnosis<'_> {
     /// The declared model, where the converter's steps are all that it leaves.
     pub(super) fn nothing_but_steps(
         &self,
-        settled: &Solution,
+        settled: &Problem,
         noise: &Noise,
         cutoff_hz: f64,
     ) -> ChannelAnswer {
@@ -52,12 +50,12 @@ impl ChannelDiagnosis<'_> {
         let (errors, held_out) = self.errors(settled, cutoff_hz);
         (answer.error_before, answer.error_after) = (errors, errors);
         self.quantisation(noise, &mut answer);
-        answer.refitted = advice::refitted(&self.base, &settled.problem.theta);
+        answer.refitted = advice::refitted(&self.base, &settled.theta);
         answer.notes = advice::engine(&answer);
         answer.notes.extend(noise.from.note().map(String::from));
         if let Some((problem, left)) = held_out {
             answer.traces = self.traces(&problem, &left);
-            let learned = settled.problem.residuals(&[], &settled.problem.scales);
+            let learned = settled.residuals();
             answer.residuals = [learned, left];
         }
         answer

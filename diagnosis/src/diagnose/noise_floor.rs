@@ -5,9 +5,9 @@ use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::LOUD_REST;
 use crate::criteria::actuator::BY_CHANCE;
 use crate::criteria::{IN_STEPS, WITHIN};
-use crate::fit::Solution;
 use crate::noise::hum::without_hum;
 use crate::noise::{self, Noise, NoiseSource};
+use crate::problem::Problem;
 use crate::recording::{Recording, range};
 use crate::signals::{end_of, rms};
 use crate::{converter_step, hunting, remainder, rest, spectrum};
@@ -38,7 +38,7 @@ impl ChannelDiagnosis<'_> {
             / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
             let problem = self.problem(records, cutoff_hz)?;
-            Some(problem.residuals(&[], &problem.scales))
+            Some(problem.residuals())
         };
         let h = self.train[0].interval_s();
         let still = self
@@ -190,12 +190,12 @@ impl ChannelDiagnosis<'_> {
 
     /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
     /// nothing else can be seen.
-    pub(super) fn is_quantisation_only(&self, settled: &Solution, noise: &Noise) -> bool {
+    pub(super) fn is_quantisation_only(&self, settled: &Problem, noise: &Noise) -> bool {
         let steps = self.output_step() + self.step_in_force();
         if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
             return false;
         }
-        let residuals = settled.problem.residuals(&[], &settled.problem.scales);
+        let residuals = settled.residuals();
         let all: Vec<f64> = residuals.concat();
         let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
         (beyond as f64) < 0.01 * all.len() as f64

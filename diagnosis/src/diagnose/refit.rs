@@ -5,13 +5,12 @@ use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
 use crate::criteria::{LEAST_SURE, REACH};
-use crate::fit::{Frame, settle};
 use crate::interval::{self, NINETY};
-use crate::library::candidates;
 use crate::model::Model;
 use crate::problem::Problem;
+use crate::saved_element::SavedElement;
 use crate::signals::{end_of, nrmse, rms};
-use plant::EffectSpec;
+use plant::{Channel, EffectSpec};
 
 /// A refit that leaves more of the held-out data than the declared values by this share is not saved.
 const WORSE: f64 = 0.01;
@@ -21,7 +20,7 @@ const LEAST_TOLERANCE: f64 = 0.1;
 /// Errors of the declared channel with the parameters that two problems have.
 fn errors(train: &Problem, test: &Problem) -> Errors {
     let of = |problem: &Problem| {
-        let left = problem.residuals(&[], &problem.scales);
+        let left = problem.residuals();
         let targets = problem.segments.iter().map(|s| s.seen(&s.target));
         (
             nrmse(&left, &targets.collect::<Vec<_>>().concat()),
@@ -142,36 +141,31 @@ impl ChannelDiagnosis<'_> {
         let Some(nearest) = answer.nearest.as_ref().filter(|_| unknown) else {
             return;
         };
-        let cutoff_hz = self.cutoff_hz();
-        let candidate = candidates(self.base.channel)
-            .into_iter()
-            .find(|c| c.effect == nearest.name);
-        let problem = self.problem(self.train, cutoff_hz);
-        let noise = self.noise(cutoff_hz);
-        let (Some(candidate), Some(problem), Some(noise)) = (candidate, problem, noise) else {
+        let Some(found) = nearest.model.channel(self.base.channel) else {
             return;
         };
-        let thin = problem.thinned(noise.every);
-        let frame = Frame::new(&thin, &self.base, &noise, &[]);
-        let fitted = frame
-            .search(&candidate)
-            .and_then(|(shapes, _)| settle(&problem, &self.base, &noise, &[(candidate, shapes)]));
-        let Some(fitted) = fitted else {
+        // What no model can have is not written: a file that is saved is read back.
+        if nearest.model.check().is_err() {
             return;
-        };
-        let Some((_, effects)) = improved.channel_mut(self.base.channel) else {
-            return;
-        };
-        for e in &fitted.effects {
-            let values = (candidate.parameters)(&e.amplitudes, &e.shapes, &fitted.problem.scales);
-            let values: Vec<(&str, f64)> = values.iter().map(|(name, _, x)| (*name, *x)).collect();
-            let mut spec = EffectSpec::new(nearest.name, &values);
-            spec.enabled = false;
-            // What no model can have is not written: a file that is saved is read back.
-            if spec.clone().in_channel(self.base.channel).check("").is_ok() {
-                effects.retain(|old| old.enabled || old.name != spec.name);
-                effects.push(spec);
-            }
+        }
+        if let Some((_, effects)) = improved.channel_mut(self.base.channel) {
+            let names = found.effects.iter().map(|e| e.name).collect::<Vec<_>>();
+            effects.retain(|old| old.enabled || !names.contains(&old.name));
+            let off = found.effects.iter().cloned();
+            effects.extend(off.map(|e| EffectSpec {
+                enabled: false,
+                ..e
+            }));
+        }
+        if let (Channel::Specimen, Some(specimen)) = (self.base.channel, &mut improved.specimen) {
+            // Those of an earlier record may be others.
+            specimen.elements.retain(|old| old.enabled);
+            let off = found.elements.iter().cloned();
+            let off = off.map(|e| SavedElement {
+                enabled: false,
+                ..e
+            });
+            specimen.elements.extend(off);
         }
     }
 }

@@ -36,7 +36,7 @@ impl ChannelDiagnosis<'_> {
             problem.scales.interval_s,
             1.0,
         );
-        if let Some(s) = settle(problem, &self.base, &still, &[]) {
+        if let Some(s) = settle(problem, &self.base, &still) {
             answer.error_before = self.errors(&s, cutoff_hz).0;
             answer.error_after = answer.error_before;
         }

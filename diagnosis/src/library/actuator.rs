@@ -18,7 +18,6 @@ const BASIS: Candidate = Candidate {
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
-    instead_of: None,
     bounds: any,
     parameters: |a, _, _| vec![("offset_mm", "mm", a[0])],
 };
@@ -68,7 +67,6 @@ pub const CANDIDATES: &[Candidate] = &[
             let before = unlagged(y, known_s, k.step_s);
             lagged(&before, lag_s, k.step_s)
         }),
-        instead_of: Some(2),
         parameters: |_, p, k| vec![("lag_ms", "ms", 1e3 * (p[0] - k.declared.lag_s))],
         ..STAGE
     },

@@ -41,8 +41,6 @@ pub struct Candidate {
     pub columns: fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>,
     /// Instead of columns: what the effect makes of the whole answer before it. Without amplitude.
     pub stage: Option<Stage>,
-    /// The declared parameter that its stage takes out and puts in again with its shape added.
-    pub instead_of: Option<usize>,
     /// What its amplitudes may be.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.

@@ -16,7 +16,6 @@ const BASIS: Candidate = Candidate {
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
-    instead_of: None,
     bounds: any,
     parameters: |a, _, _| vec![("offset_n", "N", a[0])],
 };

@@ -54,13 +54,15 @@ pub fn numbers(model: &Model, before: &Model, channel: Channel) -> Vec<ModelNumb
         let name = channel.parameters()[i].name.to_owned();
         all.push((Which::Declared(i), name, now.value, spread));
     }
-    for (i, effect) in own.effects.iter().enumerate() {
+    let effects = own.effects.iter().enumerate();
+    for (i, effect) in effects.filter(|e| e.1.enabled) {
         for (name, value) in &effect.parameters {
             let label = format!("{} {name}", effect.name);
             all.push((Which::Effect(i, name.clone()), label, *value, value.abs()));
         }
     }
-    for (i, element) in own.elements.iter().enumerate() {
+    let elements = own.elements.iter().enumerate();
+    for (i, element) in elements.filter(|e| e.1.enabled) {
         let strength = element.strength;
         let label = format!("{} strength", element.name);
         all.push((Which::Strength(i), label, strength, strength.abs()));

@@ -33,6 +33,7 @@ impl SpecimenFit {
                 reference_mm: self.sizes.x,
                 reference_mm_per_s: self.sizes.v,
                 cutoff_hz: Some(self.cutoff_hz).filter(|hz| hz.is_finite()),
+                enabled: true,
             });
         }
     }

@@ -137,8 +137,10 @@ fn notes(found: &Diagnosis) -> Vec<String> {
         let all: Vec<String> = e.parameters.iter().map(each).collect();
         format!("{}: {}", e.name, all.join(", "))
     });
+    let ordinary = a.ordinary.then(|| "an ordinary ram".to_owned());
     nearest
         .chain(numbers)
+        .chain(ordinary)
         .chain(a.notes.iter().cloned())
         .collect()
 }

@@ -31,8 +31,8 @@ impl Departures {
         for effect in specimen.effects.iter().filter(|e| e.enabled) {
             own.add(Channel::Specimen, effect);
         }
-        own.others
-            .extend(specimen.elements.iter().map(as_parallel_effect));
+        let elements = specimen.elements.iter().filter(|e| e.enabled);
+        own.others.extend(elements.map(as_parallel_effect));
         own.bearing_friction();
         let [delay_ms, lag_ms] = own.late_ms();
         own.late_reading(&specimen, delay_ms + lag_ms - expected_ms);

@@ -108,7 +108,8 @@ pub(super) fn of_model(model: &Model, scales: &Scales) -> Declared {
         alone: scales.alone,
         has_actuator: model.actuator.is_some() && can_be_told(model, true),
         has_specimen: stiffness.is_some() && can_be_told(model, false),
-        elastic: specimen.effects.is_empty() && specimen.elements.is_empty(),
+        elastic: !specimen.effects.iter().any(|e| e.enabled)
+            && !specimen.elements.iter().any(|e| e.enabled),
         damping_n_s_per_m: 1e3 * value(specimen.damping_n_s_per_mm),
         mass_kg: value(specimen.mass_kg),
         force_gain: known[Quantity::ForceGain],
