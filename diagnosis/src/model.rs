@@ -27,10 +27,7 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
             effect.name
         )));
     }
-    if !library::candidates(channel)
-        .iter()
-        .any(|c| c.effect == effect.name)
-    {
+    if !library::has(channel, effect.name) {
         return Err(Refusal::new(format!(
             "{place}: {} is refused: accepted are effects that the {channel} can have",
             effect.name

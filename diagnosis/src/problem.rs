@@ -1,7 +1,7 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
 use crate::base::{Base, FreeParameter};
-use crate::library::form;
+use crate::library;
 use crate::library::saved::fit_of;
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
@@ -199,16 +199,16 @@ impl Problem {
             }
         }
         for known in &base.known {
-            let Some(candidate) = form(base.channel, known) else {
+            let Some(effect) = library::known(base.channel, known) else {
                 continue;
             };
             let scales = self.scales;
-            let (amplitudes, shapes) = fit_of(&candidate, known, &scales);
+            let (amplitudes, shapes) = fit_of(base.channel, known, &scales);
             for segment in &mut self.segments {
-                if let Some(stage) = candidate.stage {
+                if let Some(stage) = effect.stage {
                     segment.signals.base = stage(&segment.signals.base, &shapes, &scales);
                 }
-                let columns = (candidate.columns)(&segment.signals, &shapes, &scales);
+                let columns = (effect.columns)(&segment.signals, &shapes, &scales);
                 add_columns(&mut segment.signals.base, &columns, &amplitudes, 1.0);
             }
             if base.channel == Channel::Actuator {

@@ -1,8 +1,8 @@
 //! A law of the table: what it is computed by, over which shapes it is looked for, and what it costs.
 
 use crate::criteria::MAY_BE_FRICTION;
-use crate::library::Candidate;
 use crate::library::candidate::Shape;
+use crate::library::{CANDIDATES, Candidate};
 use crate::linear::Bound;
 use crate::signals::Scales;
 use crate::specimen::element::{Element, Law};
@@ -90,9 +90,8 @@ impl Row {
 
     /// An effect of the catalogue by its name, over so many values of each of its shapes.
     pub fn effect(name: Effect, price: f64, sizes: &Sizes, counts: &[usize]) -> Option<Self> {
-        let all = crate::library::candidates(Channel::Specimen);
-        let candidate = all.into_iter().find(|c| c.effect == name)?;
-        Some(Self::of(candidate, price, sizes, counts))
+        let candidate = CANDIDATES.iter().find(|c| c.effect == name)?;
+        Some(Self::of(*candidate, price, sizes, counts))
     }
 
     /// The same by a form of an effect that the catalogue's name does not lead to.

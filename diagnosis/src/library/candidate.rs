@@ -2,7 +2,7 @@
 
 use crate::linear::Bound;
 use crate::signals::{Scales, Signals};
-use plant::{Channel, Effect};
+use plant::Effect;
 
 /// A parameter that the answer depends on other than in proportion; searched on a logarithmic scale where it is
 /// positive, else on a straight one.
@@ -12,18 +12,19 @@ pub struct Shape {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// How many values the search begins with.
-    pub grid: usize,
 }
 
 impl Shape {
-    pub const fn new(low: f64, high: f64, grid: usize) -> Self {
-        Self { low, high, grid }
+    pub const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
     }
 }
 
 /// Passes a signal on changed, for these shapes.
 pub type Stage = fn(&[f64], &[f64], &Scales) -> Vec<f64>;
+
+/// Adds to a signal, a column for each amplitude, for these shapes.
+pub type Columns = fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>;
 
 /// A parameter of the catalogue: its name, its unit, its value.
 pub type NamedValue = (&'static str, &'static str, f64);
@@ -33,12 +34,10 @@ pub type NamedValue = (&'static str, &'static str, f64);
 pub struct Candidate {
     /// Which effect.
     pub effect: Effect,
-    /// Where.
-    pub channel: Channel,
     /// Its shape parameters for data of these sizes.
     pub shapes: fn(&Scales) -> Vec<Shape>,
     /// What it adds to the answer, a column for each amplitude.
-    pub columns: fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>,
+    pub columns: Columns,
     /// Instead of columns: what the effect makes of the whole answer before it. Without amplitude.
     pub stage: Option<Stage>,
     /// What its amplitudes may be.
@@ -47,9 +46,31 @@ pub struct Candidate {
     pub parameters: fn(&[f64], &[f64], &Scales) -> Vec<NamedValue>,
 }
 
+/// An effect as a model file brings it: its amplitudes and shapes are known.
+#[derive(Clone, Copy)]
+pub struct Known {
+    /// Which effect.
+    pub effect: Effect,
+    /// As those of a [`Candidate`].
+    pub columns: Columns,
+    /// As that of a [`Candidate`].
+    pub stage: Option<Stage>,
+}
+
+impl Candidate {
+    /// What there is of it in a model file.
+    pub const fn known(&self) -> Known {
+        Known {
+            effect: self.effect,
+            columns: self.columns,
+            stage: self.stage,
+        }
+    }
+}
+
 impl std::fmt::Debug for Candidate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} in the {}", self.effect, self.channel)
+        write!(f, "{}", self.effect)
     }
 }
 
@@ -83,14 +104,14 @@ pub fn positive(_: &Scales) -> Vec<Bound> {
 
 /// Slow effects: how long they take to settle.
 pub fn settling(s: &Scales) -> Vec<Shape> {
-    vec![Shape::new(0.05 * s.seconds, 200.0 * s.seconds, 10)]
+    vec![Shape::new(0.05 * s.seconds, 200.0 * s.seconds)]
 }
 
 /// The frequency of hum: around the line that the residual shows.
 pub fn humming(s: &Scales) -> Vec<Shape> {
     let hz = s.line_hz.unwrap_or(50.0);
     let width = 0.6 / s.seconds;
-    vec![Shape::new(hz - width, hz + width, 7)]
+    vec![Shape::new(hz - width, hz + width)]
 }
 
 /// The line and its third harmonic, each in two phases.

@@ -7,26 +7,31 @@ pub mod operators;
 pub(crate) mod saved;
 mod specimen;
 
-pub use candidate::Candidate;
+pub use candidate::{Candidate, Known};
 pub use saved::form_names;
-pub use specimen::{ROUNDED_GAP, ROUNDED_LIMIT};
+pub use specimen::{CANDIDATES, ROUNDED_GAP, ROUNDED_LIMIT};
 
-use plant::{Channel, EffectSpec};
+use plant::{Channel, Effect, EffectSpec};
 
-/// All candidates of a channel.
-pub fn candidates(channel: Channel) -> Vec<Candidate> {
+/// Every effect that a model of a channel can have.
+fn effects(channel: Channel) -> Vec<Known> {
     match channel {
-        Channel::Actuator => actuator::CANDIDATES.to_vec(),
-        Channel::Specimen => specimen::CANDIDATES.to_vec(),
+        Channel::Actuator => actuator::EFFECTS.to_vec(),
+        Channel::Specimen => CANDIDATES.iter().map(Candidate::known).collect(),
     }
 }
 
-/// What an effect of a model is in the library: a candidate, or one of its forms where it has the form's parameters.
-pub fn form(channel: Channel, effect: &EffectSpec) -> Option<Candidate> {
+/// Whether a model of a channel can have an effect.
+pub fn has(channel: Channel, effect: Effect) -> bool {
+    effects(channel).iter().any(|k| k.effect == effect)
+}
+
+/// What an effect of a model is in the library, or one of its forms where it has the form's parameters.
+pub fn known(channel: Channel, effect: &EffectSpec) -> Option<Known> {
     let form = saved::form_of(channel, effect).and_then(|i| actuator::FORMS.get(i).copied());
-    let form = form.or_else(|| saved::tires(effect).then_some(specimen::FATIGUE));
-    let all = candidates(channel);
-    form.or_else(|| all.into_iter().find(|c| c.effect == effect.name))
+    let form = form.or_else(|| saved::tires(effect).then_some(specimen::FATIGUE.known()));
+    let mut all = effects(channel).into_iter();
+    form.or_else(|| all.find(|k| k.effect == effect.name))
 }
 
 #[cfg(test)]
@@ -34,7 +39,6 @@ mod tests {
     use super::saved::fit_of;
     use super::*;
     use crate::signals::{Scales, Transfer};
-    use plant::Effect;
 
     #[test]
     fn every_name_has_a_candidate_in_every_channel_of_the_catalogue() {
@@ -42,7 +46,7 @@ mod tests {
             for &channel in entry.channels {
                 // Quantisation is read off the values themselves; a sensor that freezes or is noisier is no model of a
                 // record.
-                let found = candidates(channel).iter().any(|c| c.effect == entry.effect);
+                let found = has(channel, entry.effect);
                 assert_eq!(
                     found,
                     !matches!(
@@ -87,36 +91,34 @@ mod tests {
             },
             line_hz: None,
         };
-        for channel in [Channel::Actuator, Channel::Specimen] {
-            for c in candidates(channel) {
-                let shapes: Vec<f64> = (c.shapes)(&scales)
-                    .iter()
-                    .map(|s| s.high.min((s.low * s.high).abs().sqrt()))
-                    .collect();
-                let amplitudes = vec![0.5; (c.bounds)(&scales).len()];
-                let named = (c.parameters)(&amplitudes, &shapes, &scales);
-                let values: Vec<_> = named
-                    .iter()
-                    .map(|(name, _, value)| (*name, *value))
-                    .collect();
-                // The file has these alone: the way back gives the same.
-                let saved = plant::EffectSpec::new(c.effect, &values);
-                let (a, p) = fit_of(&c, &saved, &scales);
-                for ((name, _, value), (_, _, again)) in
-                    named.iter().zip((c.parameters)(&a, &p, &scales))
-                {
-                    let room = 1e-9 * value.abs() + 1e-12;
-                    assert!(
-                        (value - again).abs() < room,
-                        "{c:?}: {name} {value} {again}"
-                    );
-                }
-                for (name, unit, value) in named {
-                    let known = c.effect.entry().parameters.iter().find(|p| p.name == name);
-                    let known = known.unwrap_or_else(|| panic!("{c:?}: {name}"));
-                    assert_eq!(known.accept.unit, unit, "{c:?}: {name}");
-                    assert!(value.is_finite(), "{c:?}: {name} = {value}");
-                }
+        for c in CANDIDATES {
+            let shapes: Vec<f64> = (c.shapes)(&scales)
+                .iter()
+                .map(|s| s.high.min((s.low * s.high).abs().sqrt()))
+                .collect();
+            let amplitudes = vec![0.5; (c.bounds)(&scales).len()];
+            let named = (c.parameters)(&amplitudes, &shapes, &scales);
+            let values: Vec<_> = named
+                .iter()
+                .map(|(name, _, value)| (*name, *value))
+                .collect();
+            // The file has these alone: the way back gives the same.
+            let saved = plant::EffectSpec::new(c.effect, &values);
+            let (a, p) = fit_of(Channel::Specimen, &saved, &scales);
+            for ((name, _, value), (_, _, again)) in
+                named.iter().zip((c.parameters)(&a, &p, &scales))
+            {
+                let room = 1e-9 * value.abs() + 1e-12;
+                assert!(
+                    (value - again).abs() < room,
+                    "{c:?}: {name} {value} {again}"
+                );
+            }
+            for (name, unit, value) in named {
+                let known = c.effect.entry().parameters.iter().find(|p| p.name == name);
+                let known = known.unwrap_or_else(|| panic!("{c:?}: {name}"));
+                assert_eq!(known.accept.unit, unit, "{c:?}: {name}");
+                assert!(value.is_finite(), "{c:?}: {name} = {value}");
             }
         }
     }

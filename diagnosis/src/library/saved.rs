@@ -1,7 +1,7 @@
 //! From the parameters of the catalogue, as a model file has them, to amplitudes and shapes: the way back of
 //! [`super::Candidate::parameters`].
 
-use super::candidate::{Candidate, MOST_AT_REST};
+use super::candidate::MOST_AT_REST;
 use crate::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
@@ -50,16 +50,16 @@ pub fn tires(effect: &EffectSpec) -> bool {
     effect.name == Effect::Degradation && effect.parameter("travel_mm").is_some_and(|mm| mm > 0.0)
 }
 
-/// Amplitudes and shapes of `effect`, as `candidate` has them, for data of these sizes. The phase of a hum is of its own
+/// Amplitudes and shapes of `effect` of a channel for data of these sizes. The phase of a hum is of its own
 /// record; its sine begins with 0.
-pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
-    let own = form_names(candidate.channel, effect);
+pub fn fit_of(channel: Channel, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
+    let own = form_names(channel, effect);
     if !own.is_empty() {
         return (Vec::new(), form_shapes(effect, own));
     }
     let get = |name: &'static str| effect.parameter(name).unwrap_or(0.0);
     let milli = |name: &'static str| 1e-3 * get(name);
-    let in_force = candidate.channel == Channel::Specimen;
+    let in_force = channel == Channel::Specimen;
     let of_unit =
         |force: &'static str, motion: &'static str| get(if in_force { force } else { motion });
     // An effect that replaces the whole answer has that much of itself once, where it is a column.

@@ -7,12 +7,11 @@ use super::candidate::{
 use super::operators as op;
 use crate::linear::Bound;
 use crate::signals::{Scales, Signals, delayed};
-use plant::{Channel, Effect};
+use plant::Effect;
 
 /// A candidate of this channel that generalises nothing.
 const BASIS: Candidate = Candidate {
     effect: Effect::Offset,
-    channel: Channel::Specimen,
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
@@ -42,11 +41,11 @@ fn share(_: &Scales) -> Vec<Bound> {
 }
 
 fn width(s: &Scales) -> Vec<Shape> {
-    vec![Shape::new(0.003 * s.x, 0.9 * s.x, 12)]
+    vec![Shape::new(0.003 * s.x, 0.9 * s.x)]
 }
 
 fn presliding(s: &Scales) -> Vec<Shape> {
-    vec![Shape::new(0.001 * s.x, 0.3 * s.x, 8)]
+    vec![Shape::new(0.001 * s.x, 0.3 * s.x)]
 }
 
 /// Powers of the displacement, relative to the largest.
@@ -67,7 +66,7 @@ pub const FATIGUE: Candidate = Candidate {
     shapes: |s| {
         // Back and forth at a third of the top speed.
         let travel = 0.3 * s.v * s.seconds;
-        vec![Shape::new(0.02 * travel, 20.0 * travel, 9)]
+        vec![Shape::new(0.02 * travel, 20.0 * travel)]
     },
     columns: |s, p, k| {
         let travel = op::travel(&s.v, s.interval_s, s.travel_before_mm);
@@ -92,8 +91,8 @@ pub const ROUNDED_LIMIT: Candidate = Candidate {
     effect: Effect::Saturation,
     shapes: |s| {
         vec![
-            Shape::new(0.3 * s.base, 1.5 * s.base, 14),
-            Shape::new(SHARP, 8.0 * SHARP, 4),
+            Shape::new(0.3 * s.base, 1.5 * s.base),
+            Shape::new(SHARP, 8.0 * SHARP),
         ]
     },
     columns: |s, p, _| {
@@ -112,7 +111,7 @@ const ROUND: f64 = 0.2;
 /// A gap with rounded corners: the rival of a spring that stiffens.
 pub const ROUNDED_GAP: Candidate = Candidate {
     effect: Effect::DeadBand,
-    shapes: |s| [width(s), vec![Shape::new(0.1 * ROUND, ROUND, 4)]].concat(),
+    shapes: |s| [width(s), vec![Shape::new(0.1 * ROUND, ROUND)]].concat(),
     columns: |s, p, k| {
         let (half, round) = (0.5 * p[0], p[0] * p[1]);
         let beyond = |x: f64| round * (x.max(0.0) + (-x.abs()).exp().ln_1p());
@@ -127,12 +126,11 @@ pub const ROUNDED_GAP: Candidate = Candidate {
 pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::ChannelSkew,
-        shapes: |_| vec![Shape::new(-0.03, 0.03, 24)],
+        shapes: |_| vec![Shape::new(-0.03, 0.03)],
         columns: |_, _, _| Vec::new(),
         stage: Some(|f, p, k| delayed(f, p[0], k.step_s)),
         bounds: none,
         parameters: |_, p, _| vec![("skew_ms", "ms", 1e3 * p[0])],
-        ..BASIS
     },
     Candidate {
         effect: Effect::GainError,
@@ -179,8 +177,8 @@ pub const CANDIDATES: &[Candidate] = &[
         effect: Effect::StribeckFriction,
         shapes: |s| {
             vec![
-                Shape::new(0.001 * s.x, 0.1 * s.x, 5),
-                Shape::new(0.01 * s.v, 0.5 * s.v, 6),
+                Shape::new(0.001 * s.x, 0.1 * s.x),
+                Shape::new(0.01 * s.v, 0.5 * s.v),
             ]
         },
         columns: |s, p, _| {
@@ -201,7 +199,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::BilinearHysteresis,
-        shapes: |s| vec![Shape::new(0.05 * s.x, 0.97 * s.x, 14)],
+        shapes: |s| vec![Shape::new(0.05 * s.x, 0.97 * s.x)],
         columns: |s, p, k| instead(&s.x, op::elastic_plastic(&s.x, p[0]), k.stiffness),
         bounds: share,
         parameters: |a, p, _| {
@@ -214,12 +212,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::BoucWenHysteresis,
-        shapes: |s| {
-            vec![
-                Shape::new(0.05 * s.x, 0.97 * s.x, 8),
-                Shape::new(0.7, 12.0, 4),
-            ]
-        },
+        shapes: |s| vec![Shape::new(0.05 * s.x, 0.97 * s.x), Shape::new(0.7, 12.0)],
         columns: |s, p, k| instead(&s.x, op::bouc_wen(&s.x, p[0], p[1], 0.5), k.stiffness),
         bounds: share,
         parameters: |a, p, _| {
@@ -251,8 +244,8 @@ pub const CANDIDATES: &[Candidate] = &[
         effect: Effect::SlipGap,
         shapes: |s| {
             vec![
-                Shape::new(0.01 * s.x, s.x, 8),
-                Shape::new(0.02 * s.x, 0.9 * s.x, 7),
+                Shape::new(0.01 * s.x, s.x),
+                Shape::new(0.02 * s.x, 0.9 * s.x),
             ]
         },
         columns: |s, p, k| vec![times(&op::slipped(&s.x, p[1], p[0]), -k.stiffness)],
@@ -262,7 +255,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::Saturation,
-        shapes: |s| vec![Shape::new(0.3 * s.base, 0.998 * s.base, 16)],
+        shapes: |s| vec![Shape::new(0.3 * s.base, 0.998 * s.base)],
         columns: |s, p, _| vec![s.base.iter().map(|f| f.clamp(-p[0], p[0]) - f).collect()],
         bounds: once,
         parameters: |_, p, _| vec![("limit_n", "N", p[0])],
@@ -284,7 +277,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::MaxwellDamper,
-        shapes: |s| vec![Shape::new(2.0 * s.interval_s, 0.2 * s.seconds, 12)],
+        shapes: |s| vec![Shape::new(2.0 * s.interval_s, 0.2 * s.seconds)],
         columns: |s, p, _| vec![op::relaxed(&s.x, p[0], s.interval_s)],
         bounds: positive,
         parameters: |a, p, _| {
@@ -297,7 +290,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::Hardening,
-        shapes: |_| vec![Shape::new(0.5, 6.0, 8)],
+        shapes: |_| vec![Shape::new(0.5, 6.0)],
         columns: |s, p, k| {
             vec![
                 power(s, p[0], k)
@@ -321,12 +314,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::Softening,
         // The reference displacement, then the exponent: the softening is not in proportion to anything.
-        shapes: |s| {
-            vec![
-                Shape::new(0.3 * s.x, 30.0 * s.x, 9),
-                Shape::new(0.7, 5.0, 4),
-            ]
-        },
+        shapes: |s| vec![Shape::new(0.3 * s.x, 30.0 * s.x), Shape::new(0.7, 5.0)],
         columns: |s, p, k| {
             let forces = s.x.iter();
             vec![
@@ -341,12 +329,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::Degradation,
-        shapes: |s| {
-            vec![
-                Shape::new(0.1 * s.x, 30.0 * s.x, 10),
-                Shape::new(0.2, 4.0, 5),
-            ]
-        },
+        shapes: |s| vec![Shape::new(0.1 * s.x, 30.0 * s.x), Shape::new(0.2, 4.0)],
         columns: |s, p, k| {
             let largest = op::largest(&s.x, s.largest_before_mm);
             let forces = s.x.iter().zip(largest);
