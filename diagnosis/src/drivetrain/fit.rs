@@ -323,8 +323,9 @@ impl<'a> ActuatorData<'a> {
         };
         let mut damping = 1e-6;
         let mut last: Option<ActuatorFit> = None;
+        let mut columns = self.columns(&at.path());
         for _ in 0..STEPS {
-            let here = self.linearized(model, &at);
+            let here = self.linearized(model, &at, &columns);
             let (cost, bounds) = (here.cost, self.room(model, &at));
             let normal = Normal {
                 matrix: gram(&here.slopes),
@@ -343,15 +344,12 @@ impl<'a> ActuatorData<'a> {
                 }
                 let (step, _) = solve(&damped, &bounds)?;
                 let next = at.moved_by(&step);
-                let y = self.combined(
-                    &self.columns(&next.path()),
-                    &next.declared,
-                    &next.amplitudes,
-                );
+                let there = self.columns(&next.path());
+                let y = self.combined(&there, &next.declared, &next.amplitudes);
                 let left = self.left(&y);
                 let square = dot(&left, &left);
                 if square < cost {
-                    at = next;
+                    (at, columns) = (next, there);
                     moved = cost - square > SETTLED * cost;
                     damping = (damping * 0.1).max(1e-9);
                     break;
@@ -365,14 +363,13 @@ impl<'a> ActuatorData<'a> {
         last.filter(|f| f.cost.is_finite())
     }
 
-    /// The model there, with how its answer changes from there on.
-    fn linearized(&self, model: &PartSet, at: &Place) -> ActuatorFit {
+    /// The model there, of these columns, with how its answer changes from there on.
+    fn linearized(&self, model: &PartSet, at: &Place, columns: &[Vec<f64>]) -> ActuatorFit {
         let path = at.path();
-        let columns = self.columns(&path);
-        let y = self.combined(&columns, &at.declared, &at.amplitudes);
+        let y = self.combined(columns, &at.declared, &at.amplitudes);
         let residual = self.left(&y);
         ActuatorFit {
-            slopes: self.slopes(&path, &columns, &y, &at.declared, &at.amplitudes),
+            slopes: self.slopes(&path, columns, &y, &at.declared, &at.amplitudes),
             model: PartSet {
                 parts: at.parts.clone(),
                 moved: model.moved,

@@ -189,6 +189,9 @@ impl Seal {
     }
 }
 
+/// The hyperbolic tangent of half of it is 1.
+const MOST_EXPONENT: f64 = 100.0;
+
 /// What a valve lets through.
 #[derive(Clone, Copy, Debug)]
 struct Flow {
@@ -228,7 +231,9 @@ impl Flow {
         e *= (1.0 + self.unequal_areas * e).max(0.1);
         e += self.two_speeds * e.abs();
         if self.saturates_mm.is_finite() {
-            e = self.saturates_mm * (e / self.saturates_mm).tanh();
+            // The hyperbolic tangent by one exponential, which is what most of the time goes into.
+            let grown = (2.0 * e / self.saturates_mm).min(MOST_EXPONENT).exp();
+            e = self.saturates_mm * (1.0 - 2.0 / (grown + 1.0));
         }
         (e * self.per_lag).clamp(-self.most, self.most)
     }

@@ -281,10 +281,16 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut seen: Vec<PartSet> = Vec::new();
         let (declared, mut all) = self.alone(&mut seen)?;
         all.push(declared);
+        // Neighbours of these are among the models.
+        let mut carried_on: Vec<PartSet> = Vec::new();
         loop {
             sort(&mut all);
             let best = all[0].evidence.score();
-            let leading = all.iter().take(LEADING);
+            let leading = all.iter().take(LEADING).filter(|f| {
+                let new = !carried_on.contains(&f.fit.model);
+                carried_on.push(f.fit.model.clone());
+                new
+            });
             let next = leading.flat_map(|f| self.neighbours(f));
             let more = self.new_ones(&mut seen, next.collect());
             all.extend(more);
