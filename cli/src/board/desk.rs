@@ -16,7 +16,7 @@ use experiment::trace::Response;
 use link::reply::Identity;
 use link::status::{CrashCause, StartCause, Status, Timing};
 use link::{Calibration, CodeRange, Command};
-use outerloop_core::{Event, Method, Mode};
+use outerloop_core::{Event, Fault, Method, Mode};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -90,51 +90,62 @@ pub enum Mishap {
     Reset,
 }
 
-/// What each has to leave: how the board starts again, and of what it died.
-pub const MISHAPS: [(Mishap, &str, StartCause, Option<CrashCause>); 8] = [
+/// What a mishap has to leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaves {
+    /// The board starts again, and says how, and of what it died.
+    Start(StartCause, Option<CrashCause>),
+    /// It runs on, and has tripped.
+    Trip(Fault),
+}
+
+/// What can happen, with what each has to leave.
+pub const MISHAPS: [(Mishap, &str, Leaves); 9] = [
     (
         Mishap::Drill(1),
         "a panic",
-        StartCause::Watchdog,
-        Some(CrashCause::Panic),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Panic)),
     ),
     (
         Mishap::Drill(2),
         "an undefined instruction",
-        StartCause::Watchdog,
-        Some(CrashCause::HardFault),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::HardFault)),
     ),
     (
         Mishap::Drill(3),
         "a stack without end",
-        StartCause::Watchdog,
-        Some(CrashCause::StackOverflow),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::StackOverflow)),
     ),
     (
         Mishap::Drill(4),
         "a task that starves the others",
-        StartCause::Watchdog,
-        Some(CrashCause::Starved),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Starved)),
     ),
     (
         Mishap::Drill(5),
         "interrupts off for good",
-        StartCause::Watchdog,
-        Some(CrashCause::Silent),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Silent)),
+    ),
+    (
+        Mishap::Drill(6),
+        "a step that takes too long",
+        Leaves::Trip(Fault::DeadlineMissed),
     ),
     (
         Mishap::Drill(7),
         "the external clock's guard",
-        StartCause::Watchdog,
-        Some(CrashCause::ClockStopped),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::ClockStopped)),
     ),
     (
         Mishap::Drill(8),
         "the supply's guard",
-        StartCause::Watchdog,
-        Some(CrashCause::LowSupply),
+        Leaves::Start(StartCause::Watchdog, Some(CrashCause::LowSupply)),
     ),
-    (Mishap::Reset, "the reset pin", StartCause::Pin, None),
+    (
+        Mishap::Reset,
+        "the reset pin",
+        Leaves::Start(StartCause::Pin, None),
+    ),
 ];
 
 /// How a row stands.
@@ -376,28 +387,46 @@ fn give_up(board: &mut BoardConnection) {
     forget(board);
 }
 
-/// A running test in which `happens` comes; how the board is behind the reset.
+/// A running test in which `happens` comes; how the board is behind it.
 pub fn mishap(
     board: &mut BoardConnection,
-    (mishap, name, started, cause): (Mishap, &str, StartCause, Option<CrashCause>),
+    (mishap, name, leaves): (Mishap, &str, Leaves),
     happens: impl FnOnce(Mishap) -> Result<(), Failure>,
 ) -> DeskRow {
     let found = (|| {
         run_until_moving(board)?;
         happens(mishap)?;
-        until_reset(board)?;
-        let now = status(board)?;
-        let died = now.last_crash.as_ref().map(|crash| crash.cause);
-        let good = (now.started, died, now.permit) == (started, cause, false);
-        Ok((said(&now), good && now.state == Mode::Idle))
+        match leaves {
+            Leaves::Start(started, cause) => {
+                until_reset(board)?;
+                let now = status(board)?;
+                let died = now.last_crash.as_ref().map(|crash| crash.cause);
+                let good = (now.started, died, now.permit) == (started, cause, false);
+                Ok((said(&now), good && now.state == Mode::Idle))
+            }
+            Leaves::Trip(fault) => {
+                until_tripped(board)?;
+                let now = status(board)?;
+                let tripped = now.trip.map(|t| t.fault);
+                let level = if now.permit { "high" } else { "low" };
+                let name = tripped.map_or("none", Fault::name);
+                let said = format!("{}, fault {name}, PERMIT {level}", now.state.name());
+                clear(board)?;
+                forget(board);
+                Ok((said, (tripped, now.permit) == (Some(fault), false)))
+            }
+        }
     })();
     if found.is_err() {
         give_up(board);
     }
-    let limit = format!(
-        "starts again by {started:?}, PERMIT low, crash report {}",
-        cause.map_or("none".into(), |c| format!("{c:?}"))
-    );
+    let limit = match leaves {
+        Leaves::Start(started, cause) => format!(
+            "starts again by {started:?}, PERMIT low, crash report {}",
+            cause.map_or("none".into(), |c| format!("{c:?}"))
+        ),
+        Leaves::Trip(fault) => format!("tripped, fault {}, PERMIT low", fault.name()),
+    };
     DeskRow::of(format!("in a running test: {name}"), &limit, found)
 }
 
@@ -457,4 +486,17 @@ fn until_reset(board: &mut BoardConnection) -> Result<(), Failure> {
         }
     }
     Err(Failure::test("the board was not reset"))
+}
+
+fn until_tripped(board: &mut BoardConnection) -> Result<(), Failure> {
+    let mut seen = 0;
+    while seen < STOPPED_STEPS {
+        for (_, step) in board.steps()? {
+            if step.mode() == Some(Mode::Tripped) {
+                return Ok(());
+            }
+            seen += 1;
+        }
+    }
+    Err(Failure::test("the board has not tripped"))
 }

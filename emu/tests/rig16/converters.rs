@@ -8,11 +8,16 @@ use emu::{InjectedFault, PlannedFault};
 use link::Command;
 use link::reply::Obstacle;
 use outerloop_core::{Event, Fault, Mode};
-use refused::{loaded, refuses};
+use refused::{loaded, refuses, refuses_in_the_middle};
 
 #[test]
 fn an_output_converter_that_has_lost_its_supply_for_a_moment_is_not_armed() {
     refuses(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
+}
+
+#[test]
+fn an_output_converter_that_has_lost_its_supply_in_the_middle_of_the_stroke_is_not_armed() {
+    refuses_in_the_middle(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
 }
 
 // proves: fault.stale_sample, obstacle.fault by StuckData

@@ -12,12 +12,16 @@ const SINKS_N_PER_S: f64 = 3160.0;
 /// A rig that has sunk by some millimetres, and a fault that is there from the first sample on. Gives the board with a test
 /// in it.
 pub fn loaded(fault: InjectedFault) -> Desk {
+    sinking(fault, SINKS_N_PER_S / STIFFNESS_N_PER_M)
+}
+
+fn sinking(fault: InjectedFault, sinks_m_per_s: f64) -> Desk {
     let mut desk = Desk::with(Bench {
         plan: Some(PlannedFault {
             after_steps: 0,
             fault,
         }),
-        sinks_m_per_s: SINKS_N_PER_S / STIFFNESS_N_PER_M,
+        sinks_m_per_s,
         ..Bench::default()
     });
     desk.load();
@@ -26,7 +30,15 @@ pub fn loaded(fault: InjectedFault) -> Desk {
 
 /// Arming is refused for this reason, and nothing has moved but what sinks.
 pub fn refuses(fault: InjectedFault, reason: Obstacle) {
-    let mut desk = loaded(fault);
+    is_refused(loaded(fault), fault, reason);
+}
+
+/// The same of a rig that stays in the middle of its stroke, where an output at ground reads as one that is right.
+pub fn refuses_in_the_middle(fault: InjectedFault, reason: Obstacle) {
+    is_refused(sinking(fault, 0.0), fault, reason);
+}
+
+fn is_refused(mut desk: Desk, fault: InjectedFault, reason: Obstacle) {
     let reply = desk.ask(Command::Event(Event::Arm));
     assert!(
         matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == Some(reason)),

@@ -60,7 +60,7 @@ impl AnyLoop {
         }
     }
 
-    /// Part by part in place: a loop is a sixth of the stack, and what it passes through must not add up.
+    /// Not inlined: a loop is a sixth of the stack, and what it passes through must not add up.
     #[inline(never)]
     fn put<const N: usize>(
         &mut self,
