@@ -1,8 +1,8 @@
 //! What is said of a channel: data only, so that every part of the diagnosis may use it.
 
-use crate::model::Model;
+use crate::saved_element::SavedElement;
 use crate::signals::difference;
-use plant::{Channel, Effect, Family};
+use plant::{Channel, Effect, EffectSpec, Family};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -217,9 +217,12 @@ pub struct Nearest {
     pub name: Effect,
     /// Share of the structured mean square that it explains.
     pub explained: f64,
-    /// The channel's model with it alone.
+    /// The effects of its model.
     #[serde(skip)]
-    pub model: Model,
+    pub effects: Vec<EffectSpec>,
+    /// Its elements beside the specimen.
+    #[serde(skip)]
+    pub elements: Vec<SavedElement>,
 }
 
 /// Errors of a model.

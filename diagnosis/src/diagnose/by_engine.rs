@@ -343,10 +343,14 @@ impl ChannelDiagnosis<'_> {
         let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
         let mut model = model.bare(self.base.channel);
         data.save(fit, &mut model);
+        // What no model can have is not written: a file that is saved is read back.
+        let own = model.channel(self.base.channel);
+        let own = own.filter(|_| model.check().is_ok());
         Nearest {
             name,
             explained: (1.0 - share * share).clamp(0.0, 1.0),
-            model,
+            effects: own.as_ref().map_or(Vec::new(), |c| c.effects.to_vec()),
+            elements: own.as_ref().map_or(Vec::new(), |c| c.elements.to_vec()),
         }
     }
 

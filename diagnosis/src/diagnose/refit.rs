@@ -141,17 +141,10 @@ impl ChannelDiagnosis<'_> {
         let Some(nearest) = answer.nearest.as_ref().filter(|_| unknown) else {
             return;
         };
-        let Some(found) = nearest.model.channel(self.base.channel) else {
-            return;
-        };
-        // What no model can have is not written: a file that is saved is read back.
-        if nearest.model.check().is_err() {
-            return;
-        }
         if let Some((_, effects)) = improved.channel_mut(self.base.channel) {
-            let names = found.effects.iter().map(|e| e.name).collect::<Vec<_>>();
+            let names = nearest.effects.iter().map(|e| e.name).collect::<Vec<_>>();
             effects.retain(|old| old.enabled || !names.contains(&old.name));
-            let off = found.effects.iter().cloned();
+            let off = nearest.effects.iter().cloned();
             effects.extend(off.map(|e| EffectSpec {
                 enabled: false,
                 ..e
@@ -160,7 +153,7 @@ impl ChannelDiagnosis<'_> {
         if let (Channel::Specimen, Some(specimen)) = (self.base.channel, &mut improved.specimen) {
             // Those of an earlier record may be others.
             specimen.elements.retain(|old| old.enabled);
-            let off = found.elements.iter().cloned();
+            let off = nearest.elements.iter().cloned();
             let off = off.map(|e| SavedElement {
                 enabled: false,
                 ..e

@@ -6,11 +6,16 @@ mod refused;
 use emu::InjectedFault;
 use link::reply::Obstacle;
 use outerloop_core::Fault;
-use refused::refuses;
+use refused::{refuses, refuses_in_the_middle};
 
 #[test]
 fn an_output_converter_that_has_lost_its_supply_for_a_moment_is_not_armed() {
     refuses(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
+}
+
+#[test]
+fn an_output_converter_that_has_lost_its_supply_in_the_middle_of_the_stroke_is_not_armed() {
+    refuses_in_the_middle(InjectedFault::OutputDips, Obstacle::Fault(Fault::Output));
 }
 
 #[test]
