@@ -2,10 +2,10 @@
 //!
 //! # Method
 //!
-//! Regression lowers an error and names no cause. Here every effect of a library is fitted together with the declared
-//! parameters (inside their tolerances), in both channels, and accepted by statistics and by size against a noise floor
-//! that comes from the record itself; what explains the data equally well is named beside it, and where too much
-//! remains the answer is "unknown".
+//! Regression lowers an error and names no cause. Here sets of laws, and of declared parameters that leave their tolerances, are fitted
+//! to a channel together, scored on blocks of the training data that were left out, and weighed against each other, against nothing, and
+//! against free functions that have no name. What comes of it is how probable each name is. The answer is a name, a set of which these
+//! data cannot tell one, nothing, or "unknown"; held-out data say what it is worth.
 
 mod advice;
 mod anomalies;
