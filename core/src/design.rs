@@ -63,7 +63,7 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) resume_step: f32,
     pub(crate) physical: usize,
     /// Control steps in a block of the watch.
-    pub(crate) block_steps: u16,
+    pub(crate) block_steps: u32,
 }
 
 impl<const N: usize> Design<N> {

@@ -253,7 +253,7 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         let mut next = outer.clone();
         next.configure(Design::new(&table1()).unwrap()).unwrap();
         next.step(&good, &ground(&points));
-        next.take_over(outer.obstacle());
+        next.take_over(outer.obstacle(), outer.last_test());
         assert_eq!(next.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
         outer.step(&good, &ground(&points));
         assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));

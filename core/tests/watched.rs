@@ -4,11 +4,33 @@
 mod common;
 
 use common::{Rig, shaking, table1};
-use outerloop_core::watch::{Alarm, AxisOrders, Orders, State, Taps};
+use outerloop_core::watch::{Alarm, AxisOrders, Block, BlockId, Orders, State, Taps, WatchedStep};
 use outerloop_core::{Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Record, flag};
 use std::collections::VecDeque;
 
 const RECORD_S: f64 = 6.0;
+
+/// Answers on their way.
+type Answers = VecDeque<(BlockId, Orders<1>)>;
+
+/// What is done behind each step: the answer that is due, and the block that the step fills.
+fn behind_step(
+    outer: &mut OuterLoop<1>,
+    answers: &mut Answers,
+    taps: &mut Taps<1>,
+) -> Option<(BlockId, [Block; 1])> {
+    let WatchedStep { test, due } = outer.count_watched()?;
+    if let Some(due) = due {
+        match answers.pop_front() {
+            Some((answered, orders)) => {
+                assert_eq!(answered, due, "in turn");
+                outer.obey(|in_force| *in_force = orders);
+            }
+            None => outer.end_watch(),
+        }
+    }
+    taps.add(test, true, outer.seen().iter())
+}
 
 fn ground(points: &[f32]) -> GroundMotion<'_> {
     GroundMotion::new(points, 0.01, 5e-4).unwrap()
@@ -16,7 +38,7 @@ fn ground(points: &[f32]) -> GroundMotion<'_> {
 
 /// A test whose watch asks for more lead, another scale and a later reading by what it sees, and takes its blocks up so many
 /// blocks late; at the end it gives an alarm. The hash of all records, and the flags and mode at the end.
-fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
+fn watched(behind: usize, answered: bool) -> (u64, u32, OuterLoop<1>) {
     let points = shaking(RECORD_S);
     let mut config = table1();
     config.compensation.kind = Method::from_name("paper+inverse").unwrap();
@@ -31,16 +53,15 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
     let (mut hash, mut flags) = (Record::<1>::HASH_START, 0);
     // Four control steps are a block.
     let (mut taps, mut full) = (Taps::<1>::of(4), VecDeque::new());
+    let mut answers = Answers::new();
     for i in 0..8000_usize {
         let record = rig.step(&mut outer, &ground(&points)).record;
         (hash, flags) = (record.hash(hash), record.flags);
-        if let Some((number, seen)) = outer.shown() {
-            full.extend(taps.add(number, seen.iter()));
-        }
-        if i / 4 < behind || i % 4 != 3 || !answers {
+        full.extend(behind_step(&mut outer, &mut answers, &mut taps));
+        if i / 4 < behind || i % 4 != 3 || !answered {
             continue;
         }
-        if let Some((number, [block])) = full.pop_front() {
+        if let Some((of, [block])) = full.pop_front() {
             let mut orders = Orders::NONE;
             let mm = 1e3 * block.displacement_m;
             orders.axes[0] = AxisOrders {
@@ -50,7 +71,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
                 hold: false,
             };
             orders.state = State::Named;
-            outer.order(number, Some(&orders));
+            answers.push_back((of, orders));
         }
     }
     (hash, flags, outer)
@@ -85,24 +106,22 @@ fn the_watch_stops_a_test() {
         rig.step(&mut outer, &ground(&points));
         outer.handle(event).unwrap();
     }
-    let (mut steps, mut taps) = (0, Taps::<1>::of(4));
+    let (mut steps, mut taps, mut answers) = (0, Taps::<1>::of(4), Answers::new());
     let sent = loop {
         let step = rig.step(&mut outer, &ground(&points));
         let (sent, permit) = (step.command_m, step.permit);
         steps += 1;
-        let full = outer
-            .shown()
-            .and_then(|(number, seen)| taps.add(number, seen.iter()));
-        if let Some((number, blocks)) = full {
+        // Before this step the watch has not stopped it.
+        assert!(permit);
+        if let Some((of, blocks)) = behind_step(&mut outer, &mut answers, &mut taps) {
             let mut orders = Orders::NONE;
             orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {
                 axis: 0,
                 value: 0.2,
                 limit: 0.1,
             });
-            outer.order(number, Some(&orders));
+            answers.push_back((of, orders));
         }
-        assert_eq!(permit, outer.mode() != Mode::Tripped);
         if outer.mode() == Mode::Tripped {
             break sent;
         }
@@ -113,6 +132,8 @@ fn the_watch_stops_a_test() {
         (trip.fault, trip.value, trip.limit),
         (Fault::Watch, 0.2, 0.1)
     );
-    let after = rig.step(&mut outer, &ground(&points)).command_m;
-    assert_eq!(after, sent, "it stands");
+    assert_eq!(trip.tick + 1, outer.tick(), "the step behind which it came");
+    let after = rig.step(&mut outer, &ground(&points));
+    assert!(!after.permit);
+    assert_eq!(after.command_m, sent, "it stands");
 }

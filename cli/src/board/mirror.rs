@@ -9,6 +9,7 @@ use link::channel::ErrorFeedback;
 use link::reply::Identity;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
+use outerloop_core::watch::InPlace;
 use outerloop_core::{
     Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Record, Sample, flag,
 };
@@ -36,6 +37,7 @@ enum SentToBoard<const N: usize> {
 /// The loop on the PC.
 pub struct Mirror<'a, const N: usize> {
     outer: OuterLoop<N>,
+    in_place: InPlace<N>,
     ground: GroundMotion<'a>,
     /// Of each actuator its calibration, and the remainder of its command's codes.
     actuators: Vec<(Calibration, ErrorFeedback)>,
@@ -66,8 +68,10 @@ impl<'a, const N: usize> Mirror<'a, N> {
         identity: &Identity,
         since: u32,
     ) -> Self {
+        let outer = OuterLoop::new(design);
         Self {
-            outer: OuterLoop::new(design),
+            in_place: InPlace::beside(&outer),
+            outer,
             ground,
             actuators: identity
                 .calibrations()
@@ -109,10 +113,9 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// Has `observer` judge what the board's rig watch has been given, so that both loops do what it asks for.
     pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
-        while self
-            .outer
-            .be_judged(|blocks, orders| observer.judge(blocks, orders))
-        {}
+        self.in_place.judge(&mut self.outer, |blocks, orders| {
+            observer.judge(blocks, orders)
+        });
     }
 
     /// The force that the last target is answered with, N, if every step until now is proven.

@@ -8,6 +8,11 @@ use crate::rig::Rig;
 use crate::supervise::{Event, Fault, Finding, OBSTACLE_STEPS, Rejected};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
+    /// Control steps since power-up.
+    pub fn tick(&self) -> u32 {
+        self.tick
+    }
+
     /// What the loop is doing.
     pub fn mode(&self) -> Mode {
         self.mode
@@ -85,9 +90,15 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         obstacle.map(|f| (f.fault, since))
     }
 
-    /// What stood against arming the loop whose place this one takes, and how many steps ago, stands against arming this one; nothing
-    /// else does.
-    pub fn take_over(&mut self, obstacle: Option<(Fault, u32)>) {
+    /// The last test that was armed, as [`WatchedStep::test`](crate::watch::WatchedStep::test); 0 before the first.
+    pub fn last_test(&self) -> u8 {
+        self.post.last_test()
+    }
+
+    /// This loop takes the place of another. What stood against arming that one, and how many steps ago, stands against arming this
+    /// one, and nothing else does; tests are counted on from its last.
+    pub fn take_over(&mut self, obstacle: Option<(Fault, u32)>, last_test: u8) {
+        self.post.count_on_from(last_test);
         let (fault, since) = obstacle.unzip();
         self.obstacle = fault.map(Finding::fact);
         self.obstacle_tick = self.tick.wrapping_sub(since.unwrap_or(0));
@@ -105,9 +116,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
                 obstacle: None,
             });
         }
-        let tick = self.tick;
+        let (tick, last_test) = (self.tick, self.last_test());
         *self = Self::new(design);
         self.tick = tick;
+        self.post.count_on_from(last_test);
         Ok(())
     }
 

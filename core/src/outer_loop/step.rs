@@ -57,9 +57,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             let copy_m = displacement_m;
             self.trip_or_send(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
         };
-        if self.post.is_on() && self.mode.integrates() {
-            self.show_to_watch();
-        }
         if integrates_here && self.step > ground.steps() && self.mode.integrates() {
             self.finish();
         }

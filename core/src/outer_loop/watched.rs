@@ -3,82 +3,34 @@
 use super::OuterLoop;
 use crate::rig::Rig;
 use crate::supervise::{Event, Fault, Mode, Trip};
-use crate::watch::{AxisOrders, Block, Orders, Seen, Verdict};
+use crate::watch::{Orders, Seen, WatchedStep};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Has the tests to come watched; `corrects`: command and reading may be corrected for what is named. Without effect while
     /// the loop is not idle.
     pub fn watch(&mut self, corrects: bool) {
         if self.mode == Mode::Idle {
-            self.post.watch(true);
+            self.post.watch();
             // A loop that may be corrected takes the way of one that is.
-            let corrects = corrects && self.post.is_on();
             self.design.predicts |= corrects;
             self.design.corrects |= corrects;
         }
     }
 
-    /// Ends what [`OuterLoop::watch`] has begun, as far as nothing may be corrected; while idle.
-    pub fn unwatch(&mut self) {
-        if self.mode == Mode::Idle {
-            self.post.watch(false);
-        }
-    }
-
-    /// What the watch is to see of the last control step, for each axis, with its number in the running test, from 0; once.
-    /// Whoever takes it makes blocks of it ([`Taps`](crate::watch::Taps)), and answers each with [`OuterLoop::order`], in turn.
+    /// Counts the last control step, if it is one of a watched test: what it has [`seen`](Self::seen) is for whoever judges, and an
+    /// answer may be due. To be called once behind each step, when the command is out.
     #[inline]
-    pub fn shown(&mut self) -> Option<(u32, [Seen; N])> {
-        let number = self.post.take()?;
-        let record = self.history.latest();
-        let read = record.displacement_m.iter().zip(&record.force_n);
-        let mut seen = [[0.0; 3]; N];
-        for (seen, (sent_m, (displacement_m, force_n))) in
-            seen.iter_mut().zip(record.sent_m.iter().zip(read))
-        {
-            *seen = [*sent_m, *displacement_m, *force_n];
+    pub fn count_watched(&mut self) -> Option<WatchedStep> {
+        if !self.mode.integrates() {
+            return None;
         }
-        Some((number, seen))
+        self.post.count()
     }
 
-    /// What the watch asks for, having seen block `number`; none where that is what it asked for before. It comes into force a
-    /// fixed number of steps after the block. An answer out of turn is none.
+    /// The answer that is due asks for something else than the one before it: changes the orders in force.
     #[inline]
-    pub fn order(&mut self, number: u32, orders: Option<&Orders<N>>) {
-        self.post.answer(number, orders);
-    }
-
-    /// Has the block that the last control step has filled judged in place, by `judge`, which fills the orders of each axis; false
-    /// where it has filled none. Asked for after each step, or nothing is judged any more.
-    pub fn be_judged(
-        &mut self,
-        judge: impl FnOnce(&[Block; N], &mut [AxisOrders; N]) -> Verdict,
-    ) -> bool {
-        let full = self
-            .shown()
-            .and_then(|(number, seen)| self.post.tap(number, &seen));
-        let Some((number, blocks)) = full else {
-            return false;
-        };
-        let mut orders = Orders::NONE;
-        let verdict = judge(&blocks, &mut orders.axes);
-        (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
-        self.post.answer_in_place(number, &orders);
-        true
-    }
-
-    /// The watch may look at the step that has just been recorded.
-    #[inline]
-    pub(super) fn show_to_watch(&mut self) {
-        if self.post.count() {
-            self.obey();
-        }
-    }
-
-    /// Other orders are in force.
-    #[cold]
-    #[inline(never)]
-    fn obey(&mut self) {
+    pub fn obey(&mut self, change: impl FnOnce(&mut Orders<N>)) {
+        self.post.change(change);
         if let Some(alarm) = self.post.alarm()
             && let Ok(tripped) = self.mode.after(Event::Fault)
         {
@@ -88,9 +40,33 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
                 axis: alarm.axis,
                 value: alarm.value,
                 limit: alarm.limit,
-                tick: self.tick,
+                tick: self.tick.wrapping_sub(1),
             });
         }
+    }
+
+    /// The answer that is due has not come: the watch of this test ends.
+    #[cold]
+    #[inline(never)]
+    pub fn end_watch(&mut self) {
+        self.post.be_late();
+    }
+
+    /// Control steps in a block of the watch.
+    pub fn steps_in_block(&self) -> u32 {
+        self.post.steps_in_block()
+    }
+
+    /// What the watch is to see of the last control step, for each axis.
+    pub fn seen(&self) -> [Seen; N] {
+        let record = self.history.latest();
+        core::array::from_fn(|j| {
+            [
+                record.sent_m[j],
+                record.displacement_m[j],
+                record.force_n[j],
+            ]
+        })
     }
 
     /// What adaptive predictors have learnt where the watch holds them goes back.

@@ -1,8 +1,8 @@
 //! Watches one actuator of a running test: whether the rig still does what its declared model says, and what it lacks if not.
 //!
 //! ```text
-//!  interrupt: command, displacement, force of each step ─►┐
-//!  thread:    Taps: sums of a few steps, run lengths ◄────┘ ─► Block, 500 a second
+//!  interrupt: the report of each step ─►┐
+//!  thread:    Taps: sums of a few steps ◄┘ run lengths ─► Block, 500 a second
 //!             Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
 //!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
@@ -10,7 +10,8 @@
 //!
 //! | file | what is there |
 //! |---|---|
-//! | `post.rs` | what is done in the control interrupt: steps go out, orders come back after a fixed time |
+//! | `post.rs` | what is done in the control interrupt: orders come back after a fixed time |
+//! | `in_place.rs` | all of it where the loop runs, on a PC |
 //! | `tap.rs` | blocks of steps |
 //! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
@@ -31,6 +32,7 @@ mod declared;
 mod foresight;
 mod frozen;
 mod hypothesis;
+mod in_place;
 mod judge;
 mod name;
 mod noise;
@@ -48,9 +50,11 @@ mod verdict;
 pub use correction::Corrections;
 pub use declared::{Declared, DeclaredActuator};
 pub use foresight::{ErrorLimit, PARTS};
+pub use in_place::InPlace;
 pub use name::{Cause, Set, Side};
 pub use orders::{Alarm, AxisOrders, Orders};
 pub(crate) use post::Post;
+pub use post::{BlockId, WatchedStep};
 pub use state::{Finding, State};
 pub use tap::{Block, Seen, Tap, Taps, steps_in_block};
 pub use verdict::Verdict;

@@ -1,17 +1,70 @@
-//! Between the control step and the rest of the watch: steps go out, and orders come back.
+//! Between the control step and the rest of the watch: orders come back after a fixed time.
 //!
-//! What the step does is to count. Whoever judges takes what it has shown after each step, makes blocks of it
-//! ([`Taps`](super::tap::Taps)) and answers each. The orders that answer a block come into force in the step in which the
-//! block [`LATENCY`] blocks later is full, however soon the thread was done with them: the same samples have the same orders on
-//! a PC and on a board. A thread that has not answered by then ends the watch of the test. The orders in force stay then, and the
-//! records say so.
+//! Behind each step of a watched test the loop counts, and no more. Whoever judges makes blocks of the steps
+//! ([`Taps`](super::tap::Taps)) and answers each. The answer to a block comes into force when the block [`LATENCY`] blocks later is
+//! full, however soon it was given: the same samples have the same orders on a PC and on a board. Where it has not been given by
+//! then the watch of the test ends. The orders in force stay, and the records say so.
 
 use super::orders::{Alarm, AxisOrders, Orders};
-use super::tap::{Block, Seen, Taps};
 use crate::record::flag;
+use core::num::{NonZeroU8, NonZeroU32};
 
 /// Blocks from one that is full to the orders that answer it: 16 ms.
 pub const LATENCY: usize = 8;
+
+/// A block of the steps of a test, as one word: the test above, the block's number in it below.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockId(NonZeroU32);
+
+impl BlockId {
+    /// Bits of the number: 500 blocks a second for 74 hours.
+    const NUMBER_BITS: u32 = 27;
+    const NUMBERS: u32 = (1 << Self::NUMBER_BITS) - 1;
+    /// Tests are told apart from those just before them: the one after the last of these is 1 again.
+    const LAST_TEST: u8 = 15;
+
+    /// Block `number`, from 0, of `test`.
+    pub fn of(test: NonZeroU8, number: u32) -> Self {
+        let word = u32::from(test.get()) << Self::NUMBER_BITS | number & Self::NUMBERS;
+        // A test's bits are never all 0.
+        Self(NonZeroU32::new(word).unwrap_or(NonZeroU32::MIN))
+    }
+
+    /// The test behind `test`, 0 being none.
+    fn test_after(test: u8) -> NonZeroU8 {
+        NonZeroU8::new(test % Self::LAST_TEST + 1).unwrap_or(NonZeroU8::MIN)
+    }
+
+    /// Its number in its test.
+    pub fn number(self) -> u32 {
+        self.word() & Self::NUMBERS
+    }
+
+    /// True if it is a block of `test`.
+    pub fn is_of(self, test: NonZeroU8) -> bool {
+        self.word() >> Self::NUMBER_BITS == u32::from(test.get())
+    }
+
+    /// True if both are blocks of one test.
+    pub fn is_in_test_of(self, other: Self) -> bool {
+        (self.word() ^ other.word()) >> Self::NUMBER_BITS == 0
+    }
+
+    /// As a word whose highest bit is free.
+    #[inline]
+    pub fn word(self) -> u32 {
+        self.0.get()
+    }
+}
+
+/// A control step of a test that is watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WatchedStep {
+    /// The test, 1 to 15 in turn.
+    pub test: NonZeroU8,
+    /// The block of it whose answer is due with this step.
+    pub due: Option<BlockId>,
+}
 
 /// The part of the watch in the loop.
 #[derive(Clone, Debug)]
@@ -19,151 +72,90 @@ pub(crate) struct Post<const N: usize> {
     in_force: Orders<N>,
     /// The orders in force, for every record.
     flags: u32,
-    /// Control steps in a block, and how many the next one lacks.
-    steps: u16,
-    left: u16,
-    /// How many blocks are full, and how many more may be before the next answer.
-    full: u32,
-    room: u32,
-    /// How many blocks were answered.
-    answered: u32,
-    /// Control steps of the running test that were taken.
-    taken: u32,
-    /// Of each place of `orders`: they are other ones than those before them.
-    others: [bool; LATENCY],
-    /// The running test is watched.
+    /// Control steps in a block, and from here to the next answer that is due.
+    steps: u32,
+    left: u32,
+    /// The block that it answers, as [`BlockId::word`].
+    due: u32,
+    /// The running test, if it is watched.
+    watched: Option<NonZeroU8>,
+    /// The last test that was armed; 0 before the first.
+    test: u8,
+    /// Tests to come are watched.
     on: bool,
-    /// An answer did not come in time.
-    late: bool,
-    orders: [Orders<N>; LATENCY],
-    /// Where the loop is judged in place: what makes blocks, and what was asked for last.
-    taps: Taps<N>,
-    asked: Orders<N>,
-}
-
-/// Where the orders of block `number` are.
-const fn place(number: u32) -> usize {
-    number as usize % LATENCY
 }
 
 impl<const N: usize> Post<N> {
     /// Nothing seen, in blocks of so many control steps.
-    pub(crate) fn new(steps: u16) -> Self {
+    pub(crate) fn new(steps: u32) -> Self {
         Self {
             in_force: Orders::NONE,
             flags: 0,
             steps,
             left: steps,
-            full: 0,
-            room: LATENCY as u32,
-            answered: 0,
-            taken: 0,
-            others: [false; LATENCY],
+            due: 0,
+            watched: None,
+            test: 0,
             on: false,
-            late: false,
-            orders: [Orders::NONE; LATENCY],
-            taps: Taps::of(steps),
-            asked: Orders::NONE,
         }
     }
 
-    /// Tests to come are watched, or not.
-    pub(crate) fn watch(&mut self, on: bool) {
-        self.on = on;
+    /// Control steps in a block.
+    pub(crate) fn steps_in_block(&self) -> u32 {
+        self.steps
     }
 
-    /// True if the running test is watched.
-    #[inline]
-    pub(crate) fn is_on(&self) -> bool {
-        self.on
+    /// Has the tests to come watched.
+    pub(crate) fn watch(&mut self) {
+        self.on = true;
     }
 
-    /// As new, in place: orders are not read before they are written again, and the taps begin with step 0.
+    /// The last test that was armed, as [`WatchedStep::test`]; 0 before the first.
+    pub(crate) fn last_test(&self) -> u8 {
+        self.test
+    }
+
+    /// Counts the tests to come from there.
+    pub(crate) fn count_on_from(&mut self, last_test: u8) {
+        self.test = last_test;
+    }
+
+    /// A test begins.
     pub(crate) fn rest(&mut self) {
-        (self.in_force, self.asked) = (Orders::NONE, Orders::NONE);
-        (self.flags, self.left, self.late) = (0, self.steps, false);
-        (self.full, self.room) = (0, LATENCY as u32);
-        (self.answered, self.taken) = (0, 0);
-        self.others = [false; LATENCY];
+        let next = BlockId::test_after(self.test);
+        self.test = next.get();
+        self.watched = self.on.then_some(next);
+        self.due = BlockId::of(next, 0).word();
+        self.in_force = Orders::NONE;
+        // The answer to the first block is due when so many more are full.
+        (self.flags, self.left) = (0, self.steps.wrapping_mul(1 + LATENCY as u32));
     }
 
-    /// Counts a control step. True if other orders are in force from now on.
+    /// Counts a control step of the running test, if it is watched.
     #[inline]
-    pub(crate) fn count(&mut self) -> bool {
+    pub(crate) fn count(&mut self) -> Option<WatchedStep> {
+        let test = self.watched?;
+        let mut due = None;
         self.left = self.left.wrapping_sub(1);
-        self.left == 0 && self.fill()
-    }
-
-    /// A block is full.
-    #[inline(never)] // In place it would lengthen every step, watched or not, by the lines of the flash that it takes.
-    fn fill(&mut self) -> bool {
-        self.left = self.steps;
-        let Some(room) = self.room.checked_sub(1) else {
-            self.be_late();
-            return false;
-        };
-        self.room = room;
-        let number = self.full;
-        self.full = number.wrapping_add(1);
-        // Of the first blocks there is none yet.
-        let others = self.others[place(number)];
-        if others {
-            self.change(number);
+        if self.left == 0 {
+            self.left = self.steps;
+            due = NonZeroU32::new(self.due).map(BlockId);
+            self.due = self.due.wrapping_add(1);
         }
-        others
-    }
-
-    /// An answer did not come in time: there are no more.
-    #[cold]
-    #[inline(never)]
-    fn be_late(&mut self) {
-        self.late = true;
-        self.flags |= flag::WATCH_LATE;
+        Some(WatchedStep { test, due })
     }
 
     /// Other orders are in force.
-    #[cold]
-    #[inline(never)]
-    fn change(&mut self, number: u32) {
-        self.in_force = self.orders[place(number)];
+    #[inline]
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut Orders<N>)) {
+        change(&mut self.in_force);
         self.flags = self.in_force.flags();
     }
 
-    /// The number of the last control step in the test, from 0, if it is watched and was not taken yet.
-    #[inline]
-    pub(crate) fn take(&mut self) -> Option<u32> {
-        let begun = self.steps.wrapping_sub(self.left);
-        let full = self.full.wrapping_mul(u32::from(self.steps));
-        let steps = full.wrapping_add(u32::from(begun));
-        let is_new = steps != self.taken && !self.late;
-        self.taken = steps;
-        is_new.then(|| steps.wrapping_sub(1))
-    }
-
-    /// The block that a control step fills, where the loop is judged in place.
-    pub(crate) fn tap(&mut self, number: u32, seen: &[Seen; N]) -> Option<(u32, [Block; N])> {
-        self.taps.add(number, seen.iter())
-    }
-
-    /// The answer of a loop that is judged in place.
-    pub(crate) fn answer_in_place(&mut self, number: u32, orders: &Orders<N>) {
-        let others = core::mem::replace(&mut self.asked, *orders) != *orders;
-        self.answer(number, others.then_some(orders));
-    }
-
-    /// The answer to block `number`: orders, or none where they are those of the block before. One out of turn, of a test that is
-    /// over, is no answer.
-    #[inline]
-    pub(crate) fn answer(&mut self, number: u32, orders: Option<&Orders<N>>) {
-        if number == self.answered && number != self.full && !self.late {
-            let at = place(number);
-            self.others[at] = orders.is_some();
-            if let Some(orders) = orders {
-                self.orders[at] = *orders;
-            }
-            self.answered = number.wrapping_add(1);
-            self.room = self.room.wrapping_add(1);
-        }
+    /// An answer did not come in time: there are no more.
+    pub(crate) fn be_late(&mut self) {
+        self.watched = None;
+        self.flags |= flag::WATCH_LATE;
     }
 
     /// What is asked for the axis `j`.
@@ -181,80 +173,5 @@ impl<const N: usize> Post<N> {
     #[inline]
     pub(crate) fn flags(&self) -> u32 {
         self.flags
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::watch::{AxisOrders, State};
-    use heapless::Deque;
-
-    type Steps = heapless::Vec<u32, 16>;
-
-    /// What a thread answers that takes up its blocks `behind` blocks late, in place or apart: the steps in which orders came into
-    /// force, and the flags at the end.
-    fn steps_of(behind: usize, in_place: bool) -> (Steps, u32) {
-        let mut post = Post::<1>::new(4);
-        let mut waiting = Deque::<_, 16>::new();
-        let mut steps = Steps::new();
-        let (mut asked, mut before) = (0_u32, 0.0);
-        for step in 0..160_u32 {
-            if post.count() {
-                let _ = steps.push(step);
-            }
-            if let Some(number) = post.take() {
-                assert_eq!(number, step);
-                if let Some(full) = post.tap(number, &[[0.0, step as f32, 0.0]]) {
-                    let _ = waiting.push_back(full);
-                }
-            }
-            assert_eq!(post.take(), None, "once");
-            while waiting.len() > behind
-                && let Some((number, [block])) = waiting.pop_front()
-            {
-                // A block of 4 steps: its mean is in their middle.
-                assert_eq!(block.displacement_m, 4.0 * asked as f32 + 1.5);
-                asked += 1;
-                let lead_steps = (asked / 10) as f32;
-                let axes = [AxisOrders {
-                    lead_steps,
-                    ..AxisOrders::NONE
-                }];
-                let orders = Orders {
-                    axes,
-                    state: State::Sound,
-                    alarm: None,
-                };
-                let others = before != lead_steps;
-                before = lead_steps;
-                // Of another test, or given twice: nothing.
-                post.answer(number + 1, Some(&Orders::NONE));
-                match in_place {
-                    true => post.answer_in_place(number, &orders),
-                    false => post.answer(number, others.then_some(&orders)),
-                }
-                post.answer(number, Some(&Orders::NONE));
-            }
-        }
-        (steps, post.flags())
-    }
-
-    #[test]
-    fn orders_come_into_force_at_the_same_step_however_soon_they_are_given_and_a_late_one_ends_the_watch()
-     {
-        let (soon, flags) = steps_of(0, true);
-        assert_eq!(soon[0], 4 * (9 + 8) + 3, "block 9, 8 blocks later");
-        assert_eq!(flags & flag::WATCH_LATE, 0);
-        for (behind, in_place) in [(0, false), (1, true), (4, false), (7, true), (7, false)] {
-            assert_eq!(
-                steps_of(behind, in_place),
-                (soon.clone(), flags),
-                "{behind}"
-            );
-        }
-        let (steps, flags) = steps_of(LATENCY, true);
-        assert_eq!(steps.len(), 0);
-        assert_eq!(flags & flag::WATCH_LATE, flag::WATCH_LATE);
     }
 }

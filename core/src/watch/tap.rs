@@ -1,12 +1,15 @@
 //! Of the control steps that the loop has shown: sums and run lengths, block by block.
 
+use super::post::BlockId;
+use core::num::NonZeroU8;
+
 /// Samples a second that the rest of the watch works with, about.
 const BLOCKS_HZ: f64 = 500.0;
 
 /// Control steps in a block at `rate_hz`.
-pub fn steps_in_block(rate_hz: f64) -> u16 {
+pub fn steps_in_block(rate_hz: f64) -> u32 {
     let steps = rate_hz / BLOCKS_HZ + 0.5;
-    if steps < 1.0 { 1 } else { steps as u16 }
+    if steps < 1.0 { 1 } else { steps as u32 }
 }
 
 /// The means of a few control steps, and for how many steps the last words have been the same.
@@ -38,21 +41,21 @@ pub struct Tap {
     sums: [f32; 3],
     last: [u32; 2],
     same: [u16; 2],
-    left: u16,
-    steps: u16,
+    left: u32,
+    steps: u32,
     per_step: f32,
 }
 
 impl Tap {
     /// In blocks of so many control steps.
-    pub fn of(steps: u16) -> Self {
+    pub fn of(steps: u32) -> Self {
         Self {
             sums: [0.0; 3],
             last: [0; 2],
             same: [0; 2],
             left: steps,
             steps,
-            per_step: 1.0 / f32::from(steps),
+            per_step: 1.0 / steps as f32,
         }
     }
 
@@ -101,36 +104,40 @@ pub type Seen = [f32; 3];
 #[derive(Clone, Debug)]
 pub struct Taps<const N: usize> {
     taps: [Tap; N],
-    /// The next control step of the running test, and its next block.
-    step: u32,
+    /// The running test, and its next block.
+    test: Option<NonZeroU8>,
     block: u32,
+    /// A step of the running test was lost.
+    lost: bool,
 }
 
 impl<const N: usize> Taps<N> {
     /// In blocks of so many control steps.
-    pub fn of(steps: u16) -> Self {
+    pub fn of(steps: u32) -> Self {
         Self {
             taps: core::array::from_fn(|_| Tap::of(steps)),
-            step: 0,
+            test: None,
             block: 0,
+            lost: false,
         }
     }
 
-    /// Takes in control step `number` of the running test, of the actuators that it has; step 0 begins a test. Gives the block that
-    /// it fills, with its number. After one that was lost there are no blocks until the next test.
+    /// Takes in the next control step of `test`, of the actuators that it has; `is_next`: none was lost before it. Gives the
+    /// block that it fills. After a step that was lost there are no blocks until the next test.
     pub fn add<'a>(
         &mut self,
-        number: u32,
+        test: NonZeroU8,
+        is_next: bool,
         seen: impl Iterator<Item = &'a Seen>,
-    ) -> Option<(u32, [Block; N])> {
-        if number == 0 {
+    ) -> Option<(BlockId, [Block; N])> {
+        if self.test != Some(test) {
             self.taps.iter_mut().for_each(Tap::rest);
-            (self.step, self.block) = (0, 0);
+            (self.test, self.block, self.lost) = (Some(test), 0, false);
         }
-        if number != self.step {
+        self.lost |= !is_next;
+        if self.lost {
             return None;
         }
-        self.step = number.wrapping_add(1);
         let mut is_full = false;
         for (tap, &[command_m, displacement_m, force_n]) in self.taps.iter_mut().zip(seen) {
             is_full = tap.add(command_m, displacement_m, force_n);
@@ -138,13 +145,13 @@ impl<const N: usize> Taps<N> {
         if !is_full {
             return None;
         }
-        let block = self.block;
-        self.block = block.wrapping_add(1);
+        let number = self.block;
+        self.block = number.wrapping_add(1);
         let mut blocks = [Block::EMPTY; N];
         for (block, tap) in blocks.iter_mut().zip(&mut self.taps) {
             *block = tap.close();
         }
-        Some((block, blocks))
+        Some((BlockId::of(test, number), blocks))
     }
 }
 
@@ -155,16 +162,22 @@ mod tests {
     #[test]
     fn blocks_are_means_and_end_where_a_step_was_lost_until_the_next_test() {
         let mut taps = Taps::<1>::of(4);
-        let mut full = heapless::Vec::<(u32, f32), 16>::new();
-        let mut show = |taps: &mut Taps<1>, number: u32| {
+        let mut full = heapless::Vec::<(u8, u32, f32), 16>::new();
+        let mut show = |test: u8, number: u32, is_next: bool| {
+            let test = NonZeroU8::new(test).unwrap();
             let seen = [[0.0, number as f32, 0.0]];
-            if let Some((block, [mean])) = taps.add(number, seen.iter()) {
-                let _ = full.push((block, mean.displacement_m));
+            if let Some((block, [mean])) = taps.add(test, is_next, seen.iter()) {
+                assert!(block.is_of(test));
+                let _ = full.push((test.get(), block.number(), mean.displacement_m));
             }
         };
-        (0..9).for_each(|number| show(&mut taps, number));
-        (10..40).for_each(|number| show(&mut taps, number));
-        (0..4).for_each(|number| show(&mut taps, number));
-        assert_eq!(full[..], [(0, 1.5), (1, 5.5), (0, 1.5)]);
+        (0..9).for_each(|number| show(1, number, true));
+        show(1, 10, false);
+        (11..40).for_each(|number| show(1, number, true));
+        (0..6).for_each(|number| show(2, number, true));
+        // The first that comes of a test is not its first.
+        show(3, 1, false);
+        (2..40).for_each(|number| show(3, number, true));
+        assert_eq!(full[..], [(1, 0, 1.5), (1, 1, 5.5), (2, 0, 1.5)]);
     }
 }

@@ -7,7 +7,7 @@ use crate::trace::{AnyRecord, TestObserver};
 use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
-use outerloop_core::watch::Instructions;
+use outerloop_core::watch::{InPlace, Instructions};
 use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
@@ -136,6 +136,7 @@ impl PlantBench<'_> {
         if let Some(told) = observer.watches_the_loop() {
             outer.watch(told.iter().any(Instructions::corrects));
         }
+        let mut in_place = InPlace::beside(&outer);
         let mut command_m = [0.0; N];
         let (mut idle, mut done) = (0, 0);
         while done < test.steps {
@@ -158,7 +159,7 @@ impl PlantBench<'_> {
                     {
                         break;
                     }
-                    while outer.be_judged(|blocks, orders| observer.judge(blocks, orders)) {}
+                    in_place.judge(&mut outer, |blocks, orders| observer.judge(blocks, orders));
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {
                     outer.handle(Event::Arm).map_err(Failure::test)?;

@@ -29,9 +29,9 @@ fn period<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     let _ = black_box(outer.handle(black_box(Event::Start)));
     outer.set_commissioning_command(black_box(None));
     outer.watch(black_box(true));
-    if let Some((number, seen)) = outer.shown() {
-        black_box(seen);
-        outer.order(number, Some(&black_box(Orders::NONE)));
+    if black_box(outer.count_watched()).is_some() {
+        outer.obey(|in_force| *in_force = black_box(Orders::NONE));
+        outer.end_watch();
     }
     let sample = black_box(Sample::new([0.0; N], [0.0; N]));
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));

@@ -4,8 +4,9 @@ use super::board::{CLOCK, CODES, Plant, SimBoard};
 use super::faulty::Faulty;
 use crate::hardware::Hardware;
 use crate::station::{
-    AnswerQueue, Board, CommandResult, FlashRecord, Heartbeat, Heartbeats, Order, Outcome, Parts,
-    Points, QueueEnds, Report, Service, Setup, ShownQueue, Station, WatchParts, Watches,
+    Board, CommandResult, FlashRecord, FromWatch, Heartbeat, Heartbeats, Judged, Order,
+    OrdersQueue, Outcome, Parts, Points, QueueEnds, Report, ReportQueue, Service, Setup, Station,
+    WatchParts, Watches,
 };
 use heapless::spsc::{Consumer, Queue};
 use link::Calibration;
@@ -78,9 +79,9 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     pub fn started(mut hardware: H, board: Board, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
-        let (reports_in, reports) = leak(Queue::<Report, 256>::new()).split();
-        let (shown_in, shown) = leak(ShownQueue::new()).split();
-        let (answers, answers_out) = leak(AnswerQueue::new()).split();
+        let (reports_in, reports) = leak(ReportQueue::new()).split();
+        let judged: &'static Judged = leak(Judged::nothing());
+        let (watch_in, watch_out) = leak(OrdersQueue::new()).split();
         let heartbeats = leak(Heartbeats::new());
         // The clock allows 2 kHz.
         let setup = || leak(Setup::unconfigured(&CLOCK, A).unwrap_or_else(|r| panic!("{r}")));
@@ -90,8 +91,10 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
             orders: orders_out,
             outcomes: outcomes_in,
             reports: reports_in,
-            shown: shown_in,
-            answers: answers_out,
+            watch: FromWatch {
+                judged,
+                orders: watch_out,
+            },
         };
         let codes = hardware.codes().unwrap_or([[0; 2]; A]);
         Self {
@@ -106,8 +109,8 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     calibrations: core::iter::repeat_n(None, A).collect(),
                     watch: WatchParts {
                         watches: leak(Watches::new()),
-                        shown,
-                        answers,
+                        judged,
+                        orders: watch_in,
                     },
                 },
                 in_force,
@@ -133,7 +136,6 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
             .dequeue()
             .unwrap_or_else(|| panic!("a report a step"));
         self.service.see(&report);
-        self.service.judge();
         report
     }
 

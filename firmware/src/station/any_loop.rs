@@ -1,8 +1,6 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
 use super::rehearsal::rehearse;
-use super::watchers::{Answered, Shown, hand_over};
-use heapless::spsc::{Consumer, Producer};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
@@ -89,10 +87,11 @@ impl AnyLoop {
         each_loop!(self, outer => outer.handle(event))
     }
 
-    /// What stands against arming this loop stands against arming the one that takes its place.
-    pub fn hand_obstacle_to(&self, next: &mut Self) {
-        let obstacle = each_loop!(self, outer => outer.obstacle());
-        each_loop!(next, outer => outer.take_over(obstacle));
+    /// What stands against arming this loop stands against arming the one that takes its place, which counts its tests on.
+    pub fn make_way_for(&self, next: &mut Self) {
+        let (obstacle, last_test) =
+            each_loop!(self, outer => (outer.obstacle(), outer.last_test()));
+        each_loop!(next, outer => outer.take_over(obstacle, last_test));
     }
 
     /// Takes the targets of the next test from the PC, or from the loop's own integration.
@@ -108,16 +107,6 @@ impl AnyLoop {
     /// Has the tests to come watched; `corrects`: command and reading may be corrected.
     pub fn watch(&mut self, corrects: bool) {
         each_loop!(self, outer => outer.watch(corrects));
-    }
-
-    /// Hands the last control step over to the rig watch, and takes what it asks for.
-    #[inline]
-    pub fn hand_over(
-        &mut self,
-        shown: &mut Producer<'_, Shown>,
-        answers: &mut Consumer<'_, Answered>,
-    ) {
-        each_loop!(self, outer => hand_over(outer, shown, answers));
     }
 
     /// Where the test stands.

@@ -39,7 +39,7 @@ impl<const A: usize> Station<A> {
             Order::LoopStatus => Ok(Returned::LoopStatus(self.loop_status())),
             order if !idle => Err(RefusedOrder::NotIdle(Some(order))),
             Order::Exchange(setup) => {
-                self.setup.outer.hand_obstacle_to(&mut setup.outer);
+                self.setup.outer.make_way_for(&mut setup.outer);
                 let old = core::mem::replace(&mut self.setup, setup);
                 hardware.set_period(self.setup.period_ticks);
                 (self.signal, self.targets_from_pc) = (None, false);

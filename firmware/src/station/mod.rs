@@ -6,7 +6,7 @@
 //!  tasks               service: command ─► order … outcome ─► reply; watchers: block ─► answer
 //! ```
 //!
-//! The interrupt and the tasks share nothing but five queues that never wait and a few counters ([`Heartbeats`]). Large
+//! The interrupt and the tasks share nothing but four queues that never wait and a few counters ([`Heartbeats`], [`Judged`]). Large
 //! things (a new test, the ground motion) change hands as references, so an order costs the interrupt next to nothing.
 
 mod any_loop;
@@ -35,9 +35,11 @@ pub use chain::CHAIN_TIMEOUT_S;
 pub use heartbeats::{Heartbeat, Heartbeats, PC_TIMEOUT_S, TASK_TIMEOUT_S, Timeouts};
 pub use motion::{Loaded, Points, Writable};
 pub use order::{LoopStatus, Order, Outcome, PerActuator, RefusedOrder, Returned};
-pub use period::{QueueEnds, Report, Station};
+pub use period::{QueueEnds, Report, ReportQueue, Station};
 pub use ring::{Flash, Ring};
 pub use service::{Board, CommandResult, Parts, Service};
 pub use settings::{CALIBRATION_BYTES, FlashRecord, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};
-pub use watchers::{AnswerQueue, ShownQueue, WatchParts, Watchers, Watches, hand_over};
+pub use watchers::{
+    FromWatch, Judged, OrdersQueue, WatchParts, Watched, Watchers, Watches, answer, hand_over,
+};

@@ -10,10 +10,10 @@ use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
-use super::watchers::{Answered, Shown};
+use super::watchers::{FromWatch, Watched, answer, hand_over};
 use crate::hardware::Hardware;
 use crate::station::commission::Generator;
-use heapless::spsc::{Consumer, Producer};
+use heapless::spsc::{Consumer, Producer, Queue};
 use link::channel::{Calibration, ErrorFeedback};
 use link::telemetry::StepReport;
 use outerloop_core::{Event, Fault, GroundMotion, Mode, Sample};
@@ -29,7 +29,12 @@ pub struct Report {
     pub tick: u32,
     /// What happened in it.
     pub step: StepReport,
+    /// For the rig watch.
+    pub watched: Watched,
 }
+
+/// Reports on their way: more than come while the tasks send the longest frame.
+pub type ReportQueue = Queue<Report, 128>;
 
 /// What the interrupt owns on a board with `A` actuators.
 pub struct Station<const A: usize = 1> {
@@ -62,8 +67,7 @@ pub struct Station<const A: usize = 1> {
     orders: Consumer<'static, Order>,
     outcomes: Producer<'static, Outcome>,
     reports: Producer<'static, Report>,
-    shown: Producer<'static, Shown>,
-    answers: Consumer<'static, Answered>,
+    watch: FromWatch<'static>,
 }
 
 /// The last outputs to the converters and the PERMIT line.
@@ -95,10 +99,8 @@ pub struct QueueEnds {
     pub outcomes: Producer<'static, Outcome>,
     /// Reports of the steps.
     pub reports: Producer<'static, Report>,
-    /// Steps to the rig watch.
-    pub shown: Producer<'static, Shown>,
-    /// Its answers.
-    pub answers: Consumer<'static, Answered>,
+    /// What the rig watch has to say.
+    pub watch: FromWatch<'static>,
 }
 
 impl<const A: usize> Station<A> {
@@ -136,8 +138,7 @@ impl<const A: usize> Station<A> {
             orders: ends.orders,
             outcomes: ends.outcomes,
             reports: ends.reports,
-            shown: ends.shown,
-            answers: ends.answers,
+            watch: ends.watch,
         }
     }
 
@@ -193,6 +194,7 @@ impl<const A: usize> Station<A> {
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
         let inputs;
+        let mut watched = Watched::default();
         let step = each_loop!(&mut self.setup.outer, outer => {
             outer.set_commissioning_command(commissioning_m.map(|commissioning_m| on_one_axis(moves, commissioning_m)));
             let mut sample = on_floors(&read);
@@ -201,7 +203,16 @@ impl<const A: usize> Station<A> {
             output.show(hardware, calibrations, of_actuators(&step.command_m), step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
             inputs = hardware.inputs();
-            StepReport::of(step.record, &codes, inputs, moves)
+            let report = StepReport::of(step.record, &codes, inputs, moves);
+            for (place, sent_m) in watched.sent_m.iter_mut().zip(&step.record.sent_m) {
+                *place = *sent_m;
+            }
+            let (test, due) = hand_over(outer, self.watch.judged);
+            watched.test = test;
+            if let Some(due) = due {
+                answer(outer, &mut self.watch, due);
+            }
+            report
         });
 
         let differs = self
@@ -225,15 +236,13 @@ impl<const A: usize> Station<A> {
         let report = Report {
             tick: self.tick,
             step,
+            watched,
         };
         if self.reports.enqueue(report).is_err() {
             self.dropped_steps = self.dropped_steps.saturating_add(1);
         }
         self.tick = self.tick.wrapping_add(1);
         self.heartbeats.advance(self.tick);
-        self.setup
-            .outer
-            .hand_over(&mut self.shown, &mut self.answers);
         self.take_order(hardware);
         match starved {
             None => hardware.feed(),

@@ -18,11 +18,8 @@ const LONGEST: usize = 50;
 /// since steps differ by themselves: a predictor that learns, a damping that acts.
 #[inline(never)] // The stack would hold what each number of floors needs.
 pub(super) fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
-    // With the watch, since it may be on.
-    outer.watch(false);
     let (mut ticks, solved) = timed(outer, now);
     start_anew(outer);
-    outer.unwatch();
     let ticks = &mut ticks[..solved.min(TIMED)];
     ticks.sort_unstable();
     // A test none of whose steps can be timed is none that keeps its deadline.
@@ -60,7 +57,7 @@ fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; T
         }
         // What stands against arming a test has to be gone for half as long as a rehearsal takes; here it has to be gone.
         if outer.obstacle().is_some_and(|(_, since)| since > 1) {
-            outer.take_over(None);
+            outer.take_over(None, 0);
         }
         // As soon as each means something; before that it is refused, and nothing has changed.
         for event in [Event::Clear, Event::Arm, Event::Start] {

@@ -102,6 +102,7 @@ pub struct Service {
     request: u16,
     pending: Pending,
     answered: Option<NumberedReply>,
+    dropped_steps: u32,
     watchers: Watchers<'static>,
 }
 
@@ -148,12 +149,14 @@ impl Service {
             request: 0,
             pending: Pending::Nothing,
             answered: None,
+            dropped_steps: 0,
             watchers: Watchers::new(parts.watch),
         }
     }
 
-    /// Takes in a step's report.
-    pub fn see(&mut self, report: &Report) {
+    /// Takes in a step's report; true if what the rig watch says has changed. Asked for more often than every 16 ms, or the watch
+    /// ends.
+    pub fn see(&mut self, report: &Report) -> bool {
         for (actuator, windows) in self.windows.iter_mut().enumerate() {
             let codes = report.step.codes(actuator).unwrap_or_default();
             for (window, code) in windows.iter_mut().zip(codes) {
@@ -162,6 +165,12 @@ impl Service {
         }
         self.state = report.step.mode().unwrap_or(self.state);
         self.tick = report.tick;
+        self.watch_step(report)
+    }
+
+    /// Steps that the tasks had no room for until they could be sent.
+    pub fn count_dropped(&mut self) {
+        self.dropped_steps = self.dropped_steps.saturating_add(1);
     }
 
     /// Receives a command. `link` and `stack_bytes` are for the status.
@@ -387,7 +396,7 @@ impl Service {
                 .collect(),
             timing: loop_status.timing,
             link,
-            dropped_steps: loop_status.dropped_steps,
+            dropped_steps: loop_status.dropped_steps.saturating_add(self.dropped_steps),
             stack_bytes: stack,
             watch: self.watchers.status(),
             started: self.board.started,

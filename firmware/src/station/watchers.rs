@@ -1,105 +1,147 @@
-//! The rig watch beside the loop: the interrupt gives steps away and takes orders, the tasks judge in between.
+//! The rig watch beside the loop: the interrupt reports steps and takes orders, the tasks judge in between.
 //!
 //! ```text
-//!  control interrupt   hand_over: each step ─► Shown ─►┐                        ┌─► Answered ─► in force 8 blocks later
-//!  tasks                                               └─► Taps ─► Watchers::judge ┘
+//!  control interrupt   hand_over: a step's Report ─►┐                          ┌─► Judged, OrdersOf ─► in force 8 blocks later
+//!  tasks                                            └─► Watchers::see: blocks ─┘
 //! ```
 //!
 //! An answer that is late or lost ends the watch of the test, and the records say so (`core/src/watch/post.rs`).
 
 use crate::step_time::StepTime;
+use core::num::NonZeroU8;
+use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::Vec;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
 use link::status::{MAX_NAMED, NamedCause, WatchStatus};
 use outerloop_core::watch::{
-    AxisOrders, Block, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
+    AxisOrders, Block, BlockId, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
 use outerloop_core::{OuterLoop, Refusal};
 
-/// A control step, on its way to the tasks.
-#[derive(Clone, Copy, Debug)]
-pub struct Shown {
-    /// Its number in the running test, from 0.
-    pub number: u32,
-    /// Of each actuator; of those that the test does not have they are 0.
-    pub of: [Seen; MAX_ACTUATORS],
+/// What the rig watch needs of a control step beside its codes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watched {
+    /// The running test, where it is watched.
+    pub test: Option<NonZeroU8>,
+    /// Command that was in force, m, of each actuator; of those that the test does not have it is 0.
+    pub sent_m: [f32; MAX_ACTUATORS],
 }
 
-/// What is asked of the loop in answer to a block.
-#[derive(Clone, Copy, Debug)]
-pub struct Answered {
-    /// The block's number.
-    pub number: u32,
-    /// For each actuator, where it is something else than for the block before.
-    pub orders: Option<Orders<MAX_ACTUATORS>>,
+/// How far the tasks have judged a test, and whether they have asked for something else that is still on its way.
+#[derive(Debug, Default)]
+pub struct Judged(AtomicU32);
+
+/// There are orders on their way.
+const ORDERS: u32 = 1 << 31;
+
+/// Blocks by which the tasks are ahead of what is due, at most: those that fill meanwhile, and some.
+const MOST_AHEAD: u32 = 16;
+
+impl Judged {
+    /// Nothing yet.
+    pub const fn nothing() -> Self {
+        Self(AtomicU32::new(0))
+    }
+
+    /// Up to `block`.
+    fn up_to(&self, block: BlockId, orders: bool) {
+        let orders = if orders { ORDERS } else { 0 };
+        self.0.store(block.word() | orders, Ordering::Release);
+    }
+
+    /// True if `block`, one of the last, is judged.
+    #[inline]
+    fn covers(&self, block: BlockId, orders: u32) -> bool {
+        let word = self.0.load(Ordering::Acquire) & !orders;
+        word.wrapping_sub(block.word()) < MOST_AHEAD
+    }
 }
 
-/// Steps on their way: those of the 8 blocks that a test waits for, at the fastest rate of a board, and some.
-pub type ShownQueue = Queue<Shown, 64>;
+/// What is asked of the loop in answer to a block, where it is something else than for the block before.
+#[derive(Clone, Copy, Debug)]
+pub struct OrdersOf {
+    /// The block.
+    pub block: BlockId,
+    /// For each actuator.
+    pub orders: Orders<MAX_ACTUATORS>,
+}
 
-/// Answers on their way.
-pub type AnswerQueue = Queue<Answered, 16>;
+/// Orders on their way: of as many blocks as a test waits for, twice, since those of the test before may still be there.
+pub type OrdersQueue = Queue<OrdersOf, 32>;
+
+/// The interrupt's ends.
+pub struct FromWatch<'a> {
+    /// How far the tasks are.
+    pub judged: &'a Judged,
+    /// What they ask for.
+    pub orders: Consumer<'a, OrdersOf>,
+}
 
 /// The watches of a test, one for each actuator.
 pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 
-/// What is left to the interrupt when the command is out: the step goes to the tasks, and what they ask for comes back.
+/// What is left of the rig watch to the interrupt when the command is out: gives the test that this step is one of, if it is watched,
+/// and the block whose answer is due, if that is something else than that the orders stay ([`answer`]).
 #[inline(never)] // It delays no command, and what it takes is counted by itself.
 pub fn hand_over<const N: usize>(
     outer: &mut OuterLoop<N>,
-    shown: &mut Producer<'_, Shown>,
-    answers: &mut Consumer<'_, Answered>,
-) {
-    if let Some((number, seen)) = outer.shown() {
-        let of = core::array::from_fn(|j| seen.get(j).copied().unwrap_or_default());
-        // One that finds no room ends the watch: its block is not answered, and the records say so.
-        let _ = shown.enqueue(Shown { number, of });
-    }
-    if let Some(Answered { number, orders }) = answers.peek() {
-        match orders {
-            None => outer.order(*number, None),
-            Some(orders) => other_orders(outer, *number, orders),
-        }
-        let _ = answers.dequeue();
-    }
+    judged: &Judged,
+) -> (Option<NonZeroU8>, Option<BlockId>) {
+    let step = outer.count_watched();
+    let due = step.and_then(|step| step.due);
+    let due = due.filter(|due| !judged.covers(*due, 0));
+    (step.map(|step| step.test), due)
 }
 
-/// Other orders than before, of those actuators that the test has.
+/// Does what answers the block that is `due`, or ends the watch of the test.
 #[cold]
-#[inline(never)] // In place it would lengthen what every control period takes.
-fn other_orders<const N: usize>(
-    outer: &mut OuterLoop<N>,
-    number: u32,
-    orders: &Orders<MAX_ACTUATORS>,
-) {
-    let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
-    let own = Orders {
-        axes: core::array::from_fn(axis),
-        state: orders.state,
-        alarm: orders.alarm,
-    };
-    outer.order(number, Some(&own));
+#[inline(never)] // In place it would lengthen what every step takes.
+pub fn answer<const N: usize>(outer: &mut OuterLoop<N>, from: &mut FromWatch<'_>, due: BlockId) {
+    if !from.judged.covers(due, ORDERS) {
+        outer.end_watch();
+        return;
+    }
+    // Looked at where it is: what is taken out of the queue is copied.
+    while let Some(next) = from.orders.peek() {
+        if next.block == due {
+            outer.obey(|in_force| {
+                for (own, axis) in in_force.axes.iter_mut().zip(&next.orders.axes) {
+                    *own = *axis;
+                }
+                (in_force.state, in_force.alarm) = (next.orders.state, next.orders.alarm);
+            });
+        } else if next.block.is_in_test_of(due) {
+            // Of a later block.
+            return;
+        }
+        // Obeyed, or of a test that is over.
+        let _ = from.orders.dequeue();
+    }
 }
 
 /// The tasks' ends.
 pub struct WatchParts<'a> {
     /// Where the watches are: too large for a stack.
     pub watches: &'a mut Watches,
-    /// Steps from the interrupt.
-    pub shown: Consumer<'a, Shown>,
-    /// Answers to it.
-    pub answers: Producer<'a, Answered>,
+    /// How far they are judged, for the interrupt.
+    pub judged: &'a Judged,
+    /// What is asked of it.
+    pub orders: Producer<'a, OrdersOf>,
 }
 
 /// Judges the running test.
 pub struct Watchers<'a> {
     own: WatchParts<'a>,
     taps: Taps<MAX_ACTUATORS>,
+    /// The last test of which a step has come.
+    running: Option<NonZeroU8>,
     corrects: bool,
     state: State,
+    /// The control step that comes next where none is lost.
+    next_tick: u32,
     /// Control steps in a block.
-    steps: u16,
+    steps: u32,
     /// Since which control step of the running test state and sets have been so.
     since_step: u32,
     /// What was asked of the loop last.
@@ -115,8 +157,10 @@ impl<'a> Watchers<'a> {
         Self {
             own,
             taps: Taps::of(1),
+            running: None,
             corrects: false,
             state: State::Sound,
+            next_tick: 0,
             steps: 1,
             since_step: 0,
             asked: Orders::NONE,
@@ -149,9 +193,10 @@ impl<'a> Watchers<'a> {
     /// # Errors
     /// What is declared of it cannot be.
     #[inline(never)] // A watch is a few KiB, and the tasks' frames stand below it.
-    pub fn tell(&mut self, told: &Instructions, steps: u16) -> Result<(), Refusal> {
+    pub fn tell(&mut self, told: &Instructions, steps: u32) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
         self.taps = Taps::of(steps);
+        self.running = None;
         self.steps = steps;
         self.corrects |= told.corrects();
         // There is room for every actuator of a board.
@@ -159,34 +204,38 @@ impl<'a> Watchers<'a> {
         Ok(())
     }
 
-    /// Judges the steps that have come, each a bounded piece of work; true if state or set have changed. `now` times it.
-    pub fn judge(&mut self, now: fn() -> u32) -> bool {
-        let mut changed = false;
+    /// Takes in control step `tick`, and judges the block that it fills, a bounded piece of work; true if state or set have changed.
+    /// `now` times it.
+    pub fn see(
+        &mut self,
+        tick: u32,
+        test: Option<NonZeroU8>,
+        seen: &[Seen; MAX_ACTUATORS],
+        now: fn() -> u32,
+    ) -> bool {
+        let is_next = core::mem::replace(&mut self.next_tick, tick.wrapping_add(1)) == tick;
         let actuators = self.own.watches.len();
-        // Looked at where it is: what is taken out of the queue is copied.
-        while let Some(shown) = self.own.shown.peek() {
-            let begin = now();
-            if shown.number == 0 {
-                self.own.watches.iter_mut().for_each(Watch::rest);
-                self.asked = Orders::NONE;
-                self.since_step = 0;
-            }
-            let seen = shown.of.iter().take(actuators);
-            let full = self.taps.add(shown.number, seen);
-            let _ = self.own.shown.dequeue();
-            if let Some((number, blocks)) = full {
-                changed |= self.answer(number, &blocks);
-            }
-            self.spent = self.spent.wrapping_add(now().wrapping_sub(begin));
-            if full.is_some() {
-                self.time.add(core::mem::take(&mut self.spent));
-            }
+        let Some(test) = test.filter(|_| actuators > 0) else {
+            return false;
+        };
+        let begin = now();
+        if self.running.replace(test) != Some(test) {
+            self.own.watches.iter_mut().for_each(Watch::rest);
+            self.asked = Orders::NONE;
+            self.since_step = 0;
+        }
+        let seen = seen.iter().take(actuators);
+        let full = self.taps.add(test, is_next, seen);
+        let changed = full.is_some_and(|(block, blocks)| self.answer(block, &blocks));
+        self.spent = self.spent.wrapping_add(now().wrapping_sub(begin));
+        if full.is_some() {
+            self.time.add(core::mem::take(&mut self.spent));
         }
         changed
     }
 
     /// Judges a block, and answers it.
-    fn answer(&mut self, number: u32, blocks: &[Block; MAX_ACTUATORS]) -> bool {
+    fn answer(&mut self, block: BlockId, blocks: &[Block; MAX_ACTUATORS]) -> bool {
         let mut orders = Orders {
             axes: [AxisOrders::NONE; MAX_ACTUATORS],
             ..Orders::NONE
@@ -196,13 +245,15 @@ impl<'a> Watchers<'a> {
         self.state = verdict.state;
         if verdict.changed {
             // The step that has filled the block.
-            let next = number.wrapping_add(1).wrapping_mul(self.steps.into());
+            let next = block.number().wrapping_add(1).wrapping_mul(self.steps);
             self.since_step = next.wrapping_sub(1);
         }
         let others = core::mem::replace(&mut self.asked, orders) != orders;
-        let orders = others.then_some(orders);
-        // Where there is no room the loop goes on without an answer.
-        let _ = self.own.answers.enqueue(Answered { number, orders });
+        // Where there is no room the block stays without an answer.
+        if !others || self.own.orders.enqueue(OrdersOf { block, orders }).is_ok() {
+            let waiting = !self.own.orders.is_empty();
+            self.own.judged.up_to(block, waiting);
+        }
         verdict.changed
     }
 

@@ -10,7 +10,7 @@ use link::telemetry::digest;
 use outerloop_core::watch::{
     Actions, Cause, Corrections, Declared, DeclaredActuator, Instructions, State,
 };
-use outerloop_core::watch::{Watch, judge};
+use outerloop_core::watch::{InPlace, Watch, judge};
 use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Sample, flag};
 
 /// The spring behind its actuator, as declared.
@@ -132,6 +132,7 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
     let points = pulse();
     let ground = GroundMotion::new(&points, 0.01, config().model_step_s()).unwrap();
     let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
+    let mut in_place = InPlace::beside(&outer);
     let mut watch = [Watch::new(&instructions()).unwrap()];
     let mut judged = 0;
     for report in b.log.iter().filter(|r| r.tick >= since) {
@@ -150,7 +151,9 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
         sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
         let record = outer.step(&sample, &ground).record;
         assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
-        while outer.be_judged(|blocks, orders| judge(watch.iter_mut(), blocks, orders)) {
+        if in_place.judge(&mut outer, |blocks, orders| {
+            judge(watch.iter_mut(), blocks, orders)
+        }) {
             judged += 1;
         }
     }

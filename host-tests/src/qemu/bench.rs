@@ -5,7 +5,9 @@ use crate::{Scenario, Shaking};
 use firmware::session::SessionAccount;
 use link::Command;
 use link::reply::RefusedParameter;
-use outerloop_core::watch::{Actions, Declared, DeclaredActuator, Instructions, Watch, judge};
+use outerloop_core::watch::{
+    Actions, Declared, DeclaredActuator, InPlace, Instructions, Watch, judge,
+};
 use outerloop_core::{
     Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
 };
@@ -121,6 +123,7 @@ pub fn here<const N: usize>(
     let design = Design::new(test.config)
         .map_err(|refusal| Error::other(RefusedParameter::from(refusal).to_string()))?;
     let mut outer = OuterLoop::<N>::new(design);
+    let mut in_place = InPlace::beside(&outer);
     let Shaking {
         acc_m_per_s2,
         interval_s,
@@ -146,7 +149,9 @@ pub fn here<const N: usize>(
         let mut words = Vec::with_capacity(Record::<N>::WORDS);
         step.record.for_each_word(|w| words.push(w));
         let command_m = step.command_m;
-        outer.be_judged(|blocks, orders| judge(watches.iter_mut(), blocks, orders));
+        in_place.judge(&mut outer, |blocks, orders| {
+            judge(watches.iter_mut(), blocks, orders)
+        });
         Ok((command_m, words))
     })?;
     Ok((records, hash, watches))

@@ -70,12 +70,20 @@ impl Code {
         Self::of(image, "OuterLoop", "4step17")
     }
 
-    /// Of an ELF image: what the rig watch has in a control period behind the command.
+    /// Of an ELF image: what the rig watch has in every control period behind the command.
     ///
     /// # Errors
     /// As [`Code::new`].
     pub fn behind_command(image: &[u8]) -> std::result::Result<Self, String> {
         Self::of(image, "watchers", "9hand_over17")
+    }
+
+    /// Of an ELF image: what comes behind that where the watch asks for something else than before.
+    ///
+    /// # Errors
+    /// As [`Code::new`].
+    pub fn other_orders(image: &[u8]) -> std::result::Result<Self, String> {
+        Self::of(image, "watchers", "6answer17")
     }
 
     /// The functions with both in their names.
@@ -114,6 +122,12 @@ impl Code {
         }
     }
 
+    /// True if the function that is looked at is at `pc`, or what returns for it.
+    fn is_own(&self, pc: u32, run: &Run) -> bool {
+        let mut own = self.steps.iter().chain(&run.tail);
+        own.any(|range| range.contains(&pc))
+    }
+
     /// Reads a trace to its end; one entry for each control period.
     ///
     /// # Errors
@@ -125,11 +139,22 @@ impl Code {
         let mut last: Option<u32> = None;
         loop {
             line.clear();
-            if reader.read_until(b'\n', &mut line)? == 0 {
-                return Ok(steps);
+            let pc = match reader.read_until(b'\n', &mut line)? {
+                0 => None,
+                _ => match program_counter(&line) {
+                    None => continue,
+                    pc => pc,
+                },
+            };
+            // Whether it has returned is seen by what comes next: a return may hang on a condition.
+            if let (Some(active), Some(at)) = (&mut run, last)
+                && self.has_returned(at, pc, active)
+            {
+                active.execute(self, at, None);
+                steps.extend(run.take().map(Run::course));
             }
-            let Some(pc) = program_counter(&line) else {
-                continue;
+            let Some(pc) = pc else {
+                return Ok(steps);
             };
             if self.steps.iter().any(|s| s.start == pc) {
                 run = Some(Run::new());
@@ -138,15 +163,20 @@ impl Code {
             let Some(active) = &mut run else { continue };
             if let Some(last) = last {
                 active.execute(self, last, Some(pc));
+                let called = is_call(self.half(last), self.half(last + 2));
+                if self.is_own(last, active) && !self.is_own(pc, active) && !called {
+                    // Its last call, which returns for it.
+                    active.tail = self.ranges.iter().find(|r| r.contains(&pc)).cloned();
+                }
             }
             last = Some(pc);
-            let in_step = self.steps.iter().any(|s| s.contains(&pc));
-            if in_step && returns(self.half(pc), self.half(pc + 2)) {
-                active.execute(self, pc, None);
-                steps.extend(run.take().map(Run::course));
-                last = None;
-            }
         }
+    }
+
+    /// True if the function that is looked at has returned by its instruction `at`, `next` being what is written down next.
+    fn has_returned(&self, at: u32, next: Option<u32>, run: &Run) -> bool {
+        let (first, second) = (self.half(at), self.half(at + 2));
+        self.is_own(at, run) && returns(first, second) && next != Some(at + size(first))
     }
 }
 
@@ -157,9 +187,20 @@ fn program_counter(line: &[u8]) -> Option<u32> {
     u32::from_str_radix(std::str::from_utf8(text).ok()?, 16).ok()
 }
 
+/// Bytes of an instruction.
+fn size(first: u16) -> u32 {
+    if first >> 11 < 0b11101 { 2 } else { 4 }
+}
+
 /// Takes the program counter from the stack or the link register.
 fn returns(first: u16, second: u16) -> bool {
     first & 0xff00 == 0xbd00 || first == 0x4770 || (first == 0xe8bd && second & 0x8000 != 0)
+}
+
+/// A call that comes back.
+fn is_call(first: u16, second: u16) -> bool {
+    let by_offset = first & 0xf800 == 0xf000 && second & 0xd000 == 0xd000;
+    by_offset || first & 0xff80 == 0x4780
 }
 
 /// How an instruction is timed.
@@ -244,6 +285,8 @@ struct Run {
     flash: Flash,
     last: Kind,
     spent: Vec<Spent>,
+    /// What was called last and returns for the function.
+    tail: Option<Range<u32>>,
 }
 
 impl Run {
@@ -254,6 +297,7 @@ impl Run {
             flash: Flash::default(),
             last: Kind::Takes(1),
             spent: Vec::new(),
+            tail: None,
         }
     }
 
@@ -264,7 +308,7 @@ impl Run {
     /// The instruction at `pc`, after which that at `next` runs.
     fn execute(&mut self, code: &Code, pc: u32, next: Option<u32>) {
         let (first, second) = (code.half(pc), code.half(pc + 2));
-        let size = if first >> 11 < 0b11101 { 2 } else { 4 };
+        let size = size(first);
         let (began, waited) = (self.now(), self.waited);
         self.waited += self.flash.instruction(pc, self.now());
         if size == 4 {

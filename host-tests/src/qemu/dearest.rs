@@ -81,8 +81,8 @@ pub fn dearest_watched<const N: usize>(
 const PERIODS_OF_A_STOP: u32 = 4000;
 const STANDS_FROM: u32 = 3000;
 
-/// The dearest period of a test in which the watch asks for something else than before: it stops the test because a displacement
-/// stands.
+/// The dearest run of `code` in a test in which the watch asks for something else than before: it stops the test because a
+/// displacement stands.
 ///
 /// # Errors
 /// As [`dearest`].

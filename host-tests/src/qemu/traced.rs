@@ -23,18 +23,16 @@ pub fn traced<const N: usize>(
     rig: impl FnMut(&[f32; N]) -> Sample<N>,
 ) -> Result<Vec<Course>> {
     let (courses, records) = every(image, code, test, ticks, script, rig)?;
+    assert_eq!(courses.len(), records.len(), "a step each period");
     let courses = courses.into_iter().zip(&records);
     let courses = courses.filter(|(_, words)| solved(words));
     Ok(courses.map(|(course, _)| course).collect())
 }
 
-/// Runs `ticks` control periods with the image in QEMU and gives each of them with its record.
+/// Runs `ticks` control periods with the image in QEMU; gives what is looked at, as often as it ran, and all records.
 ///
 /// # Errors
 /// The test is refused, or the emulator or the image in it has gone.
-///
-/// # Panics
-/// Where the trace has another number of steps than the test has control periods.
 pub fn every<const N: usize>(
     image: &Path,
     code: &Code,
@@ -57,6 +55,5 @@ pub fn every<const N: usize>(
         let courses = reader.join().map_err(|_| Error::other("the reader"))??;
         Ok::<_, Error>((courses, records))
     })?;
-    assert_eq!(courses.len(), records.len(), "a step each period");
     Ok((courses, records))
 }

@@ -130,8 +130,9 @@ fn cycles_of_a_step_with_every_method() {
     );
 }
 
-/// What watching may add to the longest step, cycles, where nothing may be corrected: 60 are the aim, 47 to 49 are found.
-const WATCHED_MOST: u64 = 60;
+/// What watching may add to the longest step before the command, cycles, where nothing may be corrected: nothing, but the linker puts
+/// the code elsewhere.
+const WATCHED_MOST: u64 = 5;
 
 /// Longest step without the watch, with it, and with everything that it may do.
 fn watched<const N: usize>(image: &Path, code: &Code) -> [Cost; 3] {
@@ -185,20 +186,20 @@ fn what_the_watch_costs_a_step() {
     }
 }
 
-/// What the watch may take of the interrupt behind the command, cycles: not watched, watched, and with other orders than before. 64
-/// to 73, 163 to 184 and 296 to 356 are found; where the linker puts the code moves a figure by some 35.
-const BEHIND_MOST: [u64; 3] = [110, 220, 390];
+/// What the watch may take of the interrupt behind the command, cycles: watched, 60 with what it adds before it, and with other orders
+/// than before. Where the linker puts the code moves the second by some 35.
+const BEHIND_MOST: [u64; 2] = [60 - WATCHED_MOST, 440];
 
-/// What is left to the interrupt behind the command: cycles where nothing is watched, where a step goes to the tasks and an answer
-/// comes back, and where that answer asks for something else than before.
-fn behind<const N: usize>(image: &Path, code: &Code) -> [u64; 3] {
+/// What is left to the interrupt behind the command: cycles where nothing is watched, where a step is watched, and where the watch asks
+/// for something else than before.
+fn behind<const N: usize>(image: &Path, every: &Code, orders: &Code) -> [u64; 3] {
     let [without, with] = [None, Some(Actions::default())].map(|watched| {
-        let course = dearest_watched::<N>(image, code, Method::Paper, watched);
+        let course = dearest_watched::<N>(image, every, Method::Paper, watched);
         course.unwrap().cost.cycles
     });
-    let stop = dearest_stop::<N>(image, code).unwrap().cost.cycles;
-    assert!(with > without && stop > with, "{without} {with} {stop}");
-    [without, with, stop]
+    let stop = dearest_stop::<N>(image, orders).unwrap().cost.cycles;
+    assert!(with > without && stop > 0, "{without} {with} {stop}");
+    [without, with, with + stop]
 }
 
 #[test]
@@ -206,19 +207,21 @@ fn what_the_watch_costs_behind_the_command() {
     let Some(image) = image("qemu", "qemu") else {
         return;
     };
-    let code = Code::behind_command(&std::fs::read(&image).unwrap()).unwrap();
+    let bytes = std::fs::read(&image).unwrap();
+    let every = Code::behind_command(&bytes).unwrap();
+    let orders = Code::other_orders(&bytes).unwrap();
     println!("cycles of the rig watch in the interrupt when the command is out");
     println!("actuators  not watched  watched  other orders");
     let costs = [
-        behind::<1>(&image, &code),
-        behind::<2>(&image, &code),
-        behind::<3>(&image, &code),
+        behind::<1>(&image, &every, &orders),
+        behind::<2>(&image, &every, &orders),
+        behind::<3>(&image, &every, &orders),
     ];
     for (actuators, [without, with, stop]) in (1..).zip(costs) {
         println!("{actuators:9}  {without:11}  {with:7}  {stop:12}");
     }
-    for cost in costs {
-        let within = cost.iter().zip(BEHIND_MOST).all(|(c, most)| *c <= most);
-        assert!(within, "{cost:?}, at most {BEHIND_MOST:?}");
+    for [_, with, stop] in costs {
+        let within = with <= BEHIND_MOST[0] && stop <= BEHIND_MOST[1];
+        assert!(within, "{with} and {stop}, at most {BEHIND_MOST:?}");
     }
 }

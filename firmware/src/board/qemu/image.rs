@@ -3,12 +3,14 @@
 use super::{Begin, Exchange, HostGone, SysTick, exit};
 use crate::chip::stack::HighWater;
 use crate::session::{PeriodReply, SessionAccount};
-use crate::station::{AnswerQueue, ShownQueue, WatchParts, Watchers, Watches, hand_over};
+use crate::station::{
+    FromWatch, Judged, OrdersQueue, WatchParts, Watchers, Watches, answer, hand_over,
+};
 use crate::step_time::StepTime;
 use cortex_m::Peripherals;
-use link::Command;
 use link::reply::{RefusedParameter, Reply};
-use outerloop_core::watch::steps_in_block;
+use link::{Command, MAX_ACTUATORS};
+use outerloop_core::watch::{Seen, steps_in_block};
 use outerloop_core::{Design, GroundMotion, OuterLoop, Record};
 
 /// The longest ground motion: what the emulated machine's memory leaves room for.
@@ -51,14 +53,16 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         return pc.reply(begin.request, Reply::Refused(refused));
     };
     let mut outer = OuterLoop::new(design);
-    let (mut watches, mut steps, mut answers) =
-        (Watches::new(), ShownQueue::new(), AnswerQueue::new());
-    let (mut to_watch, shown) = steps.split();
-    let (answers, mut from_watch) = answers.split();
+    let (mut watches, judged, mut orders) = (Watches::new(), Judged::nothing(), OrdersQueue::new());
+    let (to_loop, orders) = orders.split();
+    let mut from_watch = FromWatch {
+        judged: &judged,
+        orders,
+    };
     let mut watchers = Watchers::new(WatchParts {
         watches: &mut watches,
-        shown,
-        answers,
+        judged: &judged,
+        orders: to_loop,
     });
     let in_block = steps_in_block(begin.config.timing.rate_hz);
     let mut time = StepTime::new(u32::MAX);
@@ -103,8 +107,15 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         hash = step.record.hash(hash);
         pc.output(&output, step.record)?;
         // As on a board: the interrupt's part behind the command, then the tasks'.
-        hand_over(&mut outer, &mut to_watch, &mut from_watch);
-        watchers.judge(|| 0);
+        let (test, due) = hand_over(&mut outer, from_watch.judged);
+        if let Some(due) = due {
+            answer(&mut outer, &mut from_watch, due);
+        }
+        let mut seen = [Seen::default(); MAX_ACTUATORS];
+        for (place, seen) in seen.iter_mut().zip(outer.seen()) {
+            *place = seen;
+        }
+        watchers.see(time.steps(), test, &seen, || 0);
     }
     pc.end(&SessionAccount {
         hash,

@@ -1,21 +1,24 @@
 //! The 64 KiB of memory at the processor itself, which no DMA reaches: the queues between interrupt and tasks that carry
 //! steps, and the rig watch. The start does not fill it, so each part is written before it is given away.
 
-use crate::station::{AnswerQueue, Report, ShownQueue, Watches};
+use crate::chip::stm32::tasks::report::Waiting;
+use crate::station::{Judged, OrdersQueue, ReportQueue, Watches};
 use core::mem::MaybeUninit;
 use core::ptr::addr_of_mut;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use heapless::Vec;
 use heapless::spsc::Queue;
+use heapless::{Deque, Vec};
 
 /// What lies there.
 pub struct CoreCoupled {
-    /// Steps, from the interrupt to the task that sends them.
-    pub reports: Queue<Report, 256>,
-    /// Steps, from the interrupt to the rig watch.
-    pub shown: ShownQueue,
-    /// Its answers.
-    pub answers: AnswerQueue,
+    /// Steps, from the interrupt to the tasks.
+    pub reports: ReportQueue,
+    /// Steps that wait until they can be sent.
+    pub waiting: Waiting,
+    /// How far the rig watch is.
+    pub judged: Judged,
+    /// What it asks for.
+    pub orders: OrdersQueue,
     /// The rig watch of each actuator.
     pub watches: Watches,
 }
@@ -34,8 +37,9 @@ pub fn claim() -> Option<&'static mut CoreCoupled> {
     // SAFETY: nobody has come here before, and nobody will; every part is written, in its place, before it is read.
     unsafe {
         addr_of_mut!((*all).reports).write(Queue::new());
-        addr_of_mut!((*all).shown).write(Queue::new());
-        addr_of_mut!((*all).answers).write(Queue::new());
+        addr_of_mut!((*all).waiting).write(Deque::new());
+        addr_of_mut!((*all).judged).write(Judged::nothing());
+        addr_of_mut!((*all).orders).write(Queue::new());
         addr_of_mut!((*all).watches).write(Vec::new());
         Some(&mut *all)
     }

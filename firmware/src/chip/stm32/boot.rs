@@ -7,7 +7,8 @@ use super::board::Board;
 use super::control::{Control, ControlCell};
 use super::converters::{Converters, StartedConverters};
 use super::metal::{Metal, WATCHDOG_US, cycles, start_cycle_counter};
-use super::tasks::{lights, listen, report};
+use super::tasks::report::{self, Waiting};
+use super::tasks::{lights, listen};
 use super::{fatal, kept, stack_guard};
 use crate::board::this as wiring;
 use crate::chip::stack::HighWater;
@@ -15,8 +16,8 @@ use crate::chip::this::core_coupled::{self, CoreCoupled};
 use crate::chip::this::store::{Memory, Store};
 use crate::chip::this::{clocks, reset, supply};
 use crate::station::{
-    Board as Facts, Clock, Heartbeats, Order, Outcome, Parts, Points, QueueEnds, Report, Service,
-    Setup, Station, WatchParts, Writable,
+    Board as Facts, Clock, FromWatch, Heartbeats, Judged, Order, Outcome, Parts, Points, QueueEnds,
+    Report, Service, Setup, Station, WatchParts, Writable,
 };
 use core::cell::RefCell;
 use defmt_rtt as _;
@@ -110,6 +111,7 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
     };
     let reporter = report::Reporter {
         reports: tasks.reports,
+        waiting: tasks.waiting,
         service,
         answers,
         heartbeats: &HEARTBEATS,
@@ -182,6 +184,7 @@ struct TaskEnds {
     orders: Producer<'static, Order>,
     outcomes: Consumer<'static, Outcome>,
     reports: Consumer<'static, Report>,
+    waiting: &'static mut Waiting,
     writable: Writable,
     watch: WatchParts<'static>,
 }
@@ -197,29 +200,33 @@ fn queues() -> (QueueEnds, TaskEnds) {
     // The start comes here once.
     let CoreCoupled {
         reports,
-        shown,
-        answers,
+        waiting,
+        judged,
+        orders,
         watches,
     } = defmt::unwrap!(core_coupled::claim());
     let (reports_in, reports_out) = reports.split();
-    let (shown_in, shown_out) = shown.split();
-    let (answers_in, answers_out) = answers.split();
+    let judged: &'static Judged = judged;
+    let (watch_in, watch_out) = orders.split();
     let interrupt = QueueEnds {
         orders: orders_out,
         outcomes: outcomes_in,
         reports: reports_in,
-        shown: shown_in,
-        answers: answers_out,
+        watch: FromWatch {
+            judged,
+            orders: watch_out,
+        },
     };
     let tasks = TaskEnds {
         orders: orders_in,
         outcomes: outcomes_out,
         reports: reports_out,
+        waiting,
         writable: POINTS.take().claim(),
         watch: WatchParts {
             watches,
-            shown: shown_out,
-            answers: answers_in,
+            judged,
+            orders: watch_in,
         },
     };
     (interrupt, tasks)

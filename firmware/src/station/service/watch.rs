@@ -2,8 +2,10 @@
 
 use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
+use crate::station::period::Report;
+use link::MAX_ACTUATORS;
 use link::reply::Obstacle;
-use outerloop_core::watch::{Finding, Instructions, State, steps_in_block};
+use outerloop_core::watch::{Finding, Instructions, Seen, State, steps_in_block};
 use outerloop_core::{Mode, Refusal};
 
 impl Service {
@@ -29,7 +31,7 @@ impl Service {
         }
     }
 
-    fn tell(&mut self, actuator: u8, told: &Instructions, steps: u16) -> Result<(), Refusal> {
+    fn tell(&mut self, actuator: u8, told: &Instructions, steps: u32) -> Result<(), Refusal> {
         let refused = |name, value, accepted| {
             Err(Refusal {
                 name,
@@ -48,10 +50,21 @@ impl Service {
         self.watchers.tell(told, steps)
     }
 
-    /// Has the rig watch judge what has come since; true if what it says has changed. Asked for more often than every 16 ms, or
-    /// the watch ends.
-    pub fn judge(&mut self) -> bool {
-        self.watchers.judge(self.board.now)
+    /// Has the rig watch judge a step; true if what it says has changed.
+    pub(super) fn watch_step(&mut self, report: &Report) -> bool {
+        let mut seen = [Seen::default(); MAX_ACTUATORS];
+        let each = seen.iter_mut().zip(&report.watched.sent_m);
+        for (actuator, ((place, sent_m), (lines, _))) in each.zip(&self.calibrations).enumerate() {
+            let [displacement, force] = report.step.codes(actuator).unwrap_or_default();
+            // As the control interrupt has it of the same codes.
+            *place = [
+                *sent_m,
+                lines.displacement.quantity(displacement),
+                lines.force.quantity(force),
+            ];
+        }
+        let (test, now) = (report.watched.test, self.board.now);
+        self.watchers.see(report.tick, test, &seen, now)
     }
 
     /// What the rig watch says, of the worst actuator.

@@ -8,16 +8,19 @@ use embassy_stm32::usart::UartTx;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Timer};
-use heapless::Vec;
 use heapless::spsc::Consumer;
+use heapless::{Deque, Vec};
 use link::Telemetry;
 use link::frame::{Frame, FrameKind, MAX_WIRE, TooLong};
 use link::message::Message;
 use link::reply::NumberedReply;
-use link::telemetry::STEPS;
+use link::telemetry::{STEPS, StepReport};
 
 /// Answers on their way out.
 pub type ReplyQueue = Channel<NoopRawMutex, NumberedReply, 2>;
+
+/// Steps that wait until they can be sent, each with its tick: 80 ms of them at 2 kHz.
+pub type Waiting = Deque<(u32, StepReport), 160>;
 
 /// How often the task looks for something to send.
 const BEAT: Duration = Duration::from_millis(1);
@@ -29,6 +32,8 @@ const TIMEOUT_BEATS: u32 = 10;
 pub struct Reporter {
     /// The control interrupt's steps.
     pub reports: Consumer<'static, Report>,
+    /// Those that wait until they can be sent.
+    pub waiting: &'static mut Waiting,
     /// Answers commands.
     pub service: &'static RefCell<Service>,
     /// Answers on their way out.
@@ -46,12 +51,10 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     let mut waited = 0;
     loop {
         reporter.heartbeats.beat(Heartbeat::Report);
-        if reporter.service.borrow_mut().judge() {
-            log_watch(&reporter.service.borrow());
-        }
+        reporter.take_in();
         let wire = if let Ok(answer) = reporter.answers.try_receive() {
             answer.encode(sequence)
-        } else if reporter.reports.len() >= STEPS || waited >= TIMEOUT_BEATS {
+        } else if reporter.waiting.len() >= STEPS || waited >= TIMEOUT_BEATS {
             waited = 0;
             let telemetry = reporter.gather();
             if telemetry.steps.is_empty() {
@@ -104,25 +107,38 @@ fn telemetry_frame(
 }
 
 impl Reporter {
+    /// What has come from the control interrupt: for the service and its rig watch at once, and to be sent.
+    fn take_in(&mut self) {
+        let mut service = self.service.borrow_mut();
+        let mut changed = false;
+        while let Some(report) = self.reports.dequeue() {
+            changed |= service.see(&report);
+            lights::show(report.step.flags);
+            if self.waiting.push_back((report.tick, report.step)).is_err() {
+                service.count_dropped();
+            }
+        }
+        if changed {
+            log_watch(&service);
+        }
+    }
+
     /// Successive steps, as many as fit a frame.
     fn gather(&mut self) -> Telemetry {
         let mut telemetry = Telemetry::default();
-        let mut service = self.service.borrow_mut();
-        while let Some(report) = self.reports.peek() {
+        while let Some((tick, step)) = self.waiting.front() {
             let next = telemetry
                 .first_tick
                 .wrapping_add(telemetry.steps.len() as u32);
             if telemetry.steps.is_empty() {
-                telemetry.first_tick = report.tick;
-            } else if report.tick != next {
+                telemetry.first_tick = *tick;
+            } else if *tick != next {
                 break;
             }
-            if telemetry.steps.push(report.step).is_err() {
+            if telemetry.steps.push(*step).is_err() {
                 break;
             }
-            service.see(report);
-            lights::show(report.step.flags);
-            self.reports.dequeue();
+            self.waiting.pop_front();
         }
         telemetry
     }
