@@ -55,6 +55,10 @@ impl<W: TestObserver> TestObserver for OrderRecorder<W> {
         });
         Some(event)
     }
+
+    fn on_watch(&mut self, said: &str) {
+        self.observer.on_watch(said);
+    }
 }
 
 /// An observer that asks for what an operator once asked for.

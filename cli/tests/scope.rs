@@ -27,7 +27,11 @@ impl Running {
     }
 
     fn start_with(more: &[&str]) -> Self {
-        let mut run = command(&["run", "examples/table1.toml", "--json", "--scope"]);
+        Self::of("examples/table1.toml", more)
+    }
+
+    fn of(test: &str, more: &[&str]) -> Self {
+        let mut run = command(&["run", test, "--json", "--scope"]);
         run.args(more);
         let (child, mut said, line) = started(run, "http://");
         let url = line.split("http://").nth(1).expect(&line).trim();
@@ -138,6 +142,32 @@ fn every_step_of_twelve_channels_arrives_in_time_and_no_peak_is_lost() {
     // A message is written every 20 ms; the worst few belong to a machine that builds something else beside.
     latency.sort_by(f64::total_cmp);
     assert!(latency[latency.len() * 9 / 10] < 100.0, "{latency:?}");
+}
+
+#[test]
+fn what_the_rig_watch_says_is_shown_as_it_changes() {
+    // The delay grows at 8 s.
+    let running = Running::of("examples/rig-watch.toml", &["--duration", "10"]);
+    let mut socket = running.own_socket();
+    let (mut said, mut at_step) = (Vec::new(), Vec::new());
+    while let Some(message) = next(&mut socket) {
+        let Some(now) = message["watch"].as_str().map(str::to_owned) else {
+            continue;
+        };
+        if said.last() != Some(&now) {
+            said.push(now);
+            at_step.push(message["step"].as_u64().unwrap());
+        }
+    }
+    let named = said
+        .iter()
+        .position(|s| s.starts_with("named") && s.contains("delay_error"));
+    let named = named.unwrap_or_else(|| panic!("{said:?}"));
+    assert!(
+        said[..named].iter().all(|s| !s.starts_with("named")),
+        "{said:?}"
+    );
+    assert!(at_step[named] > 16_000, "{at_step:?}");
 }
 
 #[test]
