@@ -50,13 +50,16 @@ fn watched(behind: usize, answered: bool) -> (u64, u32, OuterLoop<1>) {
     outer.handle(Event::Arm).unwrap();
     rig.step(&mut outer, &ground(&points));
     outer.handle(Event::Start).unwrap();
-    let (mut hash, mut flags) = (Record::<1>::HASH_START, 0);
+    let (mut hash, mut flags, mut first) = (Record::<1>::HASH_START, 0, None);
     // Four control steps are a block.
     let (mut taps, mut full) = (Taps::<1>::of(4), VecDeque::new());
     let mut answers = Answers::new();
     for i in 0..8000_usize {
         let record = rig.step(&mut outer, &ground(&points)).record;
         (hash, flags) = (record.hash(hash), record.flags);
+        if flags & flag::ADJUSTED != 0 {
+            first.get_or_insert(i);
+        }
         full.extend(behind_step(&mut outer, &mut answers, &mut taps));
         if i / 4 < behind || i % 4 != 3 || !answered {
             continue;
@@ -74,6 +77,8 @@ fn watched(behind: usize, answered: bool) -> (u64, u32, OuterLoop<1>) {
             answers.push_back((of, orders));
         }
     }
+    // Block 0 is answered at the end of block 8.
+    assert!(first.is_none_or(|step| step == 4 * 9), "{first:?}");
     (hash, flags, outer)
 }
 

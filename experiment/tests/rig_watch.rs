@@ -88,16 +88,16 @@ const EACH: [(&str, [&str; 2]); 26] = [
     ),
     (
         "name = 'drift'\nchannel = 'actuator'\nrate_mm_per_s = 0.3",
-        ["offset", "actuator"],
+        ["drift", "actuator"],
     ),
     (
         "name = 'coulomb_friction'\nchannel = 'actuator'\nerror_mm = 1.2",
         ["coulomb_friction", "actuator"],
     ),
-    // The overlap of a valve: what it takes of each turn is a smaller gain.
+    // The overlap of a valve.
     (
         "name = 'dead_band'\nchannel = 'actuator'\nwidth_mm = 3",
-        ["gain_error", "actuator"],
+        ["dead_band", "actuator"],
     ),
     (
         "name = 'rate_limit'\nrate_mm_per_s = 120",
@@ -117,7 +117,7 @@ const EACH: [(&str, [&str; 2]); 26] = [
     ),
     (
         "name = 'drift'\nsensor = 'displacement'\nrate_mm_per_s = 0.3",
-        ["offset", "displacement"],
+        ["drift", "displacement"],
     ),
     (
         "name = 'channel_skew'\nskew_ms = -12",
@@ -145,7 +145,7 @@ const EACH: [(&str, [&str; 2]); 26] = [
     ),
     (
         "name = 'drift'\nsensor = 'force'\nrate_n_per_s = 80",
-        ["offset", "force"],
+        ["drift", "force"],
     ),
     (
         "name = 'channel_skew'\nskew_ms = 12",
@@ -191,6 +191,35 @@ fn each_cause_of_the_list_is_named_on_its_side() {
         }
     }
     assert_eq!(wrong, []);
+}
+
+#[test]
+fn an_offset_that_moves_on_is_a_drift_with_its_rate_and_one_that_jumps_is_none() {
+    for (place, side, mm_or_n, jumps, moves) in [
+        ("channel = 'actuator'", "actuator", "mm", 2.0, 0.3),
+        ("sensor = 'displacement'", "displacement", "mm", 2.0, 0.3),
+        ("sensor = 'force'", "force", "n", 500.0, 80.0),
+    ] {
+        let effect = |name: &str, key: &str, value: f64| {
+            watched(&format!(
+                "[[plant.effects]]\nname = '{name}'\n{place}\n{key} = {value}\nfrom_s = 8\n"
+            ))
+        };
+        let jumped = effect("offset", &format!("offset_{mm_or_n}"), jumps);
+        assert!(jumped.events.iter().any(|e| holds(e, "offset", side)));
+        let drifts = jumped.events.iter().any(|e| holds(e, "drift", side));
+        assert!(!drifts, "{}", jumped.sentence());
+        let moved = effect("drift", &format!("rate_{mm_or_n}_per_s"), moves);
+        let last = moved.events.last().expect("it is named");
+        let drift = last
+            .set
+            .iter()
+            .find(|c| (c.name, c.side) == ("drift", side));
+        let rate = drift
+            .unwrap_or_else(|| panic!("{}", moved.sentence()))
+            .value;
+        assert!((rate / moves - 1.0).abs() < 0.2, "{side}: {rate}");
+    }
 }
 
 #[test]
@@ -287,8 +316,15 @@ fn a_transducer_that_freezes_with_its_noise_stops_the_test() {
         holds(first, "frozen_sensor", "displacement") && first.t_s < 9.5,
         "{report:?}"
     );
-    // A force that stands drives the motion away in one direction, as on a plateau of yielding: the rail is there first.
-    assert_eq!(frozen("force").trip, Some("adc_rail"));
+    // A force that stands drives the motion away in one direction, as on a plateau of yielding; but this specimen is elastic.
+    let summary = frozen("force");
+    assert_eq!(summary.trip, Some("watch"), "{}", summary.sentence());
+    let report = summary.watch.unwrap();
+    let first = named(&report);
+    assert!(
+        holds(first, "frozen_sensor", "force") && first.t_s < 8.2,
+        "{report:?}"
+    );
 }
 
 #[test]

@@ -9,9 +9,8 @@ use link::channel::ErrorFeedback;
 use link::reply::Identity;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
-use outerloop_core::watch::InPlace;
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Record, Sample, flag,
+    Design, Event, Fault, GroundMotion, InPlace, Mode, OuterLoop, Pace, Record, Sample, flag,
 };
 use std::collections::VecDeque;
 

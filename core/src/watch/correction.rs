@@ -155,6 +155,10 @@ fn correction_of(cause: Cause, allowed: Corrections) -> Option<(usize, bool)> {
         | Cause::DisplacementNoise
         | Cause::ForceNoise
         | Cause::DisplacementHum
-        | Cause::ForceHum => None,
+        | Cause::ForceHum
+        | Cause::ActuatorOverlap
+        | Cause::DisplacementDrift
+        | Cause::ForceDrift
+        | Cause::ActuatorDrift => None,
     }
 }

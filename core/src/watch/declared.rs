@@ -65,7 +65,7 @@ const LEAST_STIFFNESS: f64 = 0.025;
 /// Half tolerances of the columns of each regression, in the units of [`Row`](super::signals::Row).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfTolerances {
-    pub(super) actuator: [f32; 7],
+    pub(super) actuator: [f32; 8],
     pub(super) force: [f32; 7],
     pub(super) unloading: [f32; 4],
 }
@@ -140,7 +140,7 @@ impl Declared {
         let to_f32 = |x: f64| x as f32;
         // A friction is what the force jumps by at a turn, where filter and presliding round the corner of a specimen that yields.
         HalfTolerances {
-            actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2].map(to_f32),
+            actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2, 0.002].map(to_f32),
             force: [0.004, slope, v, 0.006, 0.004, 0.004, 0.15].map(to_f32),
             unloading: [slope, v, 0.006, 0.005].map(to_f32),
         }

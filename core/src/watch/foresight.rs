@@ -9,7 +9,7 @@
 //! ```
 //!
 //! first order, as if its phase stayed; `a` is the amplitude that is planned, and constant over each of [`PARTS`] parts of the
-//! test. Where `z` is below 0 it grows by itself. An offset is an error as large as itself. What a sensor adds that no
+//! test. Where `z` is below 0 it grows by itself. An offset is an error as large as itself, a drift one that grows. What a sensor adds that no
 //! controller follows, and what a specimen does itself, is none.
 
 use super::declared::Declared;
@@ -17,6 +17,9 @@ use super::name::Cause;
 use super::state::Finding;
 use crate::float::{larger, smaller};
 use core::f32::consts::{PI, SQRT_2};
+
+/// sqrt(3).
+const SQRT_3: f32 = 1.732_050_8;
 
 /// Parts of a test over each of which the planned motion is one number.
 pub const PARTS: usize = 16;
@@ -72,7 +75,8 @@ impl Foresight {
     /// value is taken out.
     pub(super) fn error(&self, f: &Finding, corrected: f32, from_s: f32) -> f32 {
         let rest = larger(1.0 - from_s / self.duration_s, 0.0);
-        match self.change(f.cause, (f.value - corrected) / f.cause.per_si()) {
+        let value = (f.value - corrected) / f.cause.per_si();
+        match self.change(f.cause, value, rest * self.duration_s) {
             Change::None => 0.0,
             Change::Offset(share) => share.abs() * libm::sqrtf(rest),
             Change::Force([re, im]) => self.grown(re, im, 1.0 - rest),
@@ -103,7 +107,7 @@ impl Foresight {
         libm::sqrtf(square / (2.0 * PARTS as f32))
     }
 
-    fn change(&self, cause: Cause, value: f32) -> Change {
+    fn change(&self, cause: Cause, value: f32, rest_s: f32) -> Change {
         let force = self.peak_m * self.stiffness;
         // Friction is the first harmonic of a rectangle.
         let rub = |share: f32| 4.0 / PI * share.abs();
@@ -112,12 +116,16 @@ impl Foresight {
             Cause::ActuatorGain | Cause::ForceGain => (value, 0.0),
             Cause::ActuatorOffset => return Change::Offset(value / self.peak_m),
             Cause::ForceOffset => return Change::Offset(value / force),
+            // Rms of a line that begins at 0.
+            Cause::ForceDrift => return Change::Offset(value * rest_s / (SQRT_3 * force)),
+            Cause::ActuatorDrift => return Change::Offset(value * rest_s / (SQRT_3 * self.peak_m)),
             Cause::ActuatorFriction => (0.0, rub(value / self.peak_m)),
             Cause::BearingFriction => (0.0, -rub(value / force)),
             Cause::RateLimit => (value / (self.omega * self.peak_m) - 1.0, 0.0),
             Cause::StrokeLimit => (value / self.peak_m - 1.0, 0.0),
             Cause::Mass => (-value * self.omega * self.omega / self.stiffness, 0.0),
             Cause::Play => (-value / self.peak_m, 0.0),
+            Cause::ActuatorOverlap => (-0.5 * rub(value / self.peak_m), 0.0),
             Cause::DisplacementGain
             | Cause::DisplacementOffset
             | Cause::DisplacementLate
@@ -127,7 +135,8 @@ impl Foresight {
             | Cause::DisplacementNoise
             | Cause::ForceNoise
             | Cause::DisplacementHum
-            | Cause::ForceHum => return Change::None,
+            | Cause::ForceHum
+            | Cause::DisplacementDrift => return Change::None,
         };
         Change::Force([re, im])
     }

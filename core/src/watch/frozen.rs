@@ -17,6 +17,13 @@ const TIMES_STILL: f32 = 3.0;
 /// Equal words while what is measured moves, for so many control steps.
 const SAME_STEPS: u16 = 40;
 
+/// An elastic specimen's force stands where it moves by no more than so many standard deviations, and peaks, over so long a way.
+const ELASTIC_DEVIATIONS: f32 = 6.0;
+const ELASTIC_PEAKS: f32 = 2e-3;
+const ELASTIC_WAY: f32 = 0.1;
+/// A force below this may be that of a gap, peaks.
+const IN_A_GAP: f32 = 0.05;
+
 /// What stands still.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Standing {
@@ -38,6 +45,8 @@ pub(super) struct Frozen {
     /// What each sensor should have followed since its word last changed, or since it is looked at, and the force since the
     /// displacement's has.
     since: [Option<Followed>; 3],
+    /// Displacement and force where the force of an elastic specimen last moved.
+    elastic: Option<[f32; 2]>,
 }
 
 /// Where a motion has been, and how far it has come from either end.
@@ -77,14 +86,18 @@ impl Followed {
 
 impl Frozen {
     /// Takes a block in: declared way, displacement and force in peaks, their noise a block, and for how many control steps
-    /// the words have been the same.
+    /// the words have been the same. `elastic`: here the specimen has been before, and was elastic.
     pub(super) fn add(
         &mut self,
         raw: [f32; 3],
         sigma: [f32; 2],
         same: [u16; 2],
+        elastic: bool,
     ) -> Option<Standing> {
         let [y, x, r] = raw;
+        if self.stands_elastic([x, r], sigma, elastic) {
+            return Some(Standing::Force);
+        }
         let follows = [y, x, r];
         let changed = [same[0] < 4, same[1] < 4, same[0] < 4];
         let [displacement, force, beside] = core::array::from_fn(|j| {
@@ -101,7 +114,7 @@ impl Frozen {
         if same[0] > SAME_STEPS && displacement.went(moves) && goes_on {
             return Some(Standing::Displacement);
         }
-        if same[1] > SAME_STEPS && force.came_back(moves) && r.abs() > 0.05 {
+        if same[1] > SAME_STEPS && force.came_back(moves) && r.abs() > IN_A_GAP {
             return Some(Standing::Force);
         }
         for (sum, now) in self.sums.iter_mut().zip([y, x, r]) {
@@ -115,6 +128,18 @@ impl Frozen {
         (self.sums, self.count) = ([0.0; 3], 0);
         let last = self.last.replace(means)?;
         self.judge(means, last, sigma)
+    }
+
+    /// True if the force of an elastic specimen stands while it goes where it has been before.
+    fn stands_elastic(&mut self, [x, r]: [f32; 2], sigma: [f32; 2], elastic: bool) -> bool {
+        let [from_x, from_r] = *self.elastic.get_or_insert([x, r]);
+        let noise = ELASTIC_DEVIATIONS * larger(sigma[0], sigma[1]) + ELASTIC_PEAKS;
+        // In a gap there is no force that could move.
+        if !elastic || r.abs() < IN_A_GAP || (r - from_r).abs() > noise {
+            self.elastic = Some([x, r]);
+            return false;
+        }
+        (x - from_x).abs() > ELASTIC_WAY + 2.0 * noise
     }
 
     fn judge(&mut self, means: [f32; 3], last: [f32; 3], sigma: [f32; 2]) -> Option<Standing> {
@@ -131,7 +156,7 @@ impl Frozen {
             self.stood[0] = 0;
         }
         let [_, x, r] = means;
-        if (r - self.from).abs() < still(1) && r.abs() > 0.05 {
+        if (r - self.from).abs() < still(1) && r.abs() > IN_A_GAP {
             self.stands.to(x);
             if dx.abs() > still(0) {
                 self.stood[1] = self.stood[1].saturating_add(1);
@@ -176,7 +201,7 @@ mod tests {
                 kept = x - plastic;
             }
             let raw = [x, x + noise(), kept + noise()];
-            found = found.or(frozen.add(raw, [sigma; 2], [0; 2]));
+            found = found.or(frozen.add(raw, [sigma; 2], [0; 2], false));
         }
         found
     }
@@ -194,6 +219,29 @@ mod tests {
     }
 
     #[test]
+    fn an_elastic_force_that_does_not_move_stands_but_for_that_of_a_gap() {
+        // From -0.4 on, with a gap or a force that stands from 0.2 on.
+        let found = |gap: f32, stands: bool, elastic: bool| {
+            let mut frozen = Frozen::default();
+            (0..800_u16).find_map(|i| {
+                let x = -0.4 + 1e-3 * f32::from(i);
+                let force = if stands { smaller(x, 0.2) } else { x };
+                let in_gap = larger(smaller(force, gap), -gap);
+                let noise = if i % 2 == 0 { 1e-4 } else { -1e-4 };
+                let raw = [x, x, force - in_gap + noise];
+                let standing = frozen.add(raw, [1e-4; 2], [0; 2], elastic);
+                standing.map(|standing| (standing, x))
+            })
+        };
+        let (standing, at) = found(0.0, true, true).expect("it stands");
+        assert_eq!(standing, Standing::Force);
+        assert!(at > 0.3 && at < 0.32, "{at}");
+        assert_eq!(found(0.0, true, false), None, "it may yield");
+        assert_eq!(found(0.0, false, true), None);
+        assert_eq!(found(0.15, false, true), None, "a gap");
+    }
+
+    #[test]
     fn a_word_that_stays_on_a_plateau_is_no_sensor_that_stands_until_the_motion_has_come_back() {
         // On a coarse converter the force keeps its word while the displacement goes on; then it turns.
         let standing = |turns: bool| {
@@ -201,7 +249,7 @@ mod tests {
             (0..80_u16).find_map(|i| {
                 let way = f32::from(if turns && i > 40 { 80 - i } else { i });
                 let x = -0.2 + 2e-3 * way;
-                frozen.add([x, x, 0.3], [1e-4; 2], [0, 4 * i])
+                frozen.add([x, x, 0.3], [1e-4; 2], [0, 4 * i], false)
             })
         };
         assert_eq!(standing(false), None);

@@ -9,6 +9,11 @@ const BEYOND: [f32; 3] = [2.0, 2.0, 5.0];
 /// Share of the residual that the free fit has to explain.
 const EXPLAINED: f32 = 0.7;
 
+/// What a change has beside what the same test has learnt: likelihood ratio, deviations of both, half tolerances.
+const CHANGED: f32 = 12.0;
+const CHANGED_DEVIATIONS: f32 = 3.5;
+const CHANGED_BY: f32 = 3.5;
+
 /// Columns of the actuator's regression that are what it cannot go beyond: a speed, a stroke.
 const LIMITS: [usize; 2] = [5, 6];
 
@@ -21,6 +26,7 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
+    #[inline(never)] // It is asked for in many places.
     pub(super) fn of(answer: Answer) -> Self {
         let (column, d) = answer.best();
         Self { d, column, answer }
@@ -32,10 +38,24 @@ impl Hypothesis {
     }
 
     /// True if it stands out enough for a name.
+    #[inline(never)] // As above.
     pub(super) fn is_name(&self, regression: usize) -> bool {
         let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
         self.d > NAME[regression]
             && theta.abs() > 2.0 + BEYOND[regression] * sd
+            && self.answer.explained > EXPLAINED
+    }
+
+    /// True if its coefficient is further from nothing than one that was learnt, by so much that it is another one.
+    #[inline(never)] // As above.
+    pub(super) fn is_change_from(&self, [learnt, learnt_sd]: [f32; 2]) -> bool {
+        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
+        let change = theta - learnt;
+        self.d > CHANGED
+            && theta.abs() > 2.0 + 2.0 * sd
+            && change.abs() > CHANGED_BY
+            && change.abs() > CHANGED_DEVIATIONS * libm::sqrtf(sd * sd + learnt_sd * learnt_sd)
+            && change * theta > 0.0
             && self.answer.explained > EXPLAINED
     }
 

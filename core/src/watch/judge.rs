@@ -1,15 +1,30 @@
 //! From hypotheses to causes: which of them, on which side, since when.
 
+use super::answers::Answers;
 use super::declared::Declared;
 use super::hypothesis::{Hypothesis, least_named};
 use super::name::{Cause, Set, Side};
 use super::regression::{ACTUATOR, Answer, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING, WINDOWS};
 use super::signals::Row;
 use super::state::{Finding, State};
+use super::trend::Trend;
 use crate::float::larger;
 use heapless::Vec;
 use libm::sqrtf;
 
+/// Where an offset stands out, and on each side on which it may be the cause with its drift.
+const OFFSETS: &[(usize, &[[Cause; 2]]); 2] = &[
+    (
+        ACTUATOR,
+        &[
+            [Cause::ActuatorOffset, Cause::ActuatorDrift],
+            [Cause::DisplacementOffset, Cause::DisplacementDrift],
+        ],
+    ),
+    (FORCE, &[[Cause::ForceOffset, Cause::ForceDrift]]),
+];
+/// The first columns of the force and the unloading, by which another side is told.
+const REFERRED: usize = 3;
 /// Columns of the regression of the actuator whose side another channel can tell.
 const OFFSET: usize = 0;
 const GAIN: usize = 1;
@@ -22,8 +37,10 @@ const MOST_FINDINGS: usize = 8;
 const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
 /// Judgements after which a set that is still the same has settled.
 const SETTLED: u8 = 5;
-/// Rounds in a row.
+/// Rounds in a row; more of them where they began in the first second that is judged, in which few samples tell little.
 const ROUNDS: u8 = 3;
+const FIRST_ROUNDS: u8 = 20;
+const ROUNDS_AT_FIRST: u8 = 12;
 /// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
 const FALLS_BACK: f32 = 2.0;
 const NEW_LARGEST: f32 = 4.0;
@@ -38,6 +55,11 @@ const SHORT: f32 = 0.01;
 const LARGER: f32 = 1.02;
 /// Periods of samples from which the reference is one.
 const LEARNED: f32 = 1.0;
+const LEARNED_UNLOADING: f32 = 0.25;
+/// Twice the logarithm of the likelihood ratio below which what unloads is what it was.
+const CALM: f32 = 4.0;
+/// The last column of the unloading that may change: slope and lateness.
+const CHANGES: usize = 1;
 /// Deviations by which one side is possible and the other worse.
 const POSSIBLE: f32 = 3.0;
 const WORSE: f32 = 2.0;
@@ -45,6 +67,11 @@ const WORSE: f32 = 2.0;
 const SLOPE_OFF: f32 = 0.006;
 const OFFSET_OFF: f32 = 0.002;
 const LATE_OFF: f32 = 0.6;
+
+/// The column of a regression that is the slope of the force.
+fn slope_of(regression: usize) -> usize {
+    1 - usize::from(regression == UNLOADING)
+}
 
 /// Scales of the values.
 #[derive(Clone, Debug)]
@@ -74,6 +101,11 @@ impl Constants {
 }
 
 impl Constants {
+    /// Judgements in a natural period.
+    fn rounds_a_period(&self) -> f32 {
+        self.blocks_a_period / f32::from(BLOCKS_A_ROUND)
+    }
+
     /// What a column of a regression stands for, with its unit in a half tolerance; nothing where the sign of its coefficient
     /// is no cause's: friction and forces that push, a force that is early. The bend of the phase is a part of the lateness, a
     /// stiffness that depends on the way the specimen's own.
@@ -85,6 +117,7 @@ impl Constants {
                 GAIN => (Cause::ActuatorGain, 1.0),
                 LATE => (Cause::ActuatorLate, 1.0 / self.omega),
                 4 if theta > 0.0 => (Cause::ActuatorFriction, self.peak_m),
+                7 if theta > 0.0 => (Cause::ActuatorOverlap, 2.0 * self.peak_m),
                 _ => return None,
             };
             (cause, unit, self.half.actuator[column])
@@ -119,11 +152,16 @@ pub(super) struct Judge {
     pub(super) findings: Vec<Finding, MOST_FINDINGS>,
     /// False once the specimen has shown that it is not, whatever was declared.
     pub(super) elastic: bool,
-    answers: [[Option<Answer>; 3]; WINDOWS],
-    /// Of the longest window while the test was sound: what the free fit left, and coefficients with deviations.
+    answers: Answers,
+    /// Of the longest window while the test was sound: what the free fit left, and coefficients with deviations of the force and the
+    /// unloading. Before there is one the declared value is it, with its tolerance.
     left: [f32; 3],
-    reference: [Option<Answer>; 3],
+    reference: [[[f32; 2]; REFERRED]; 2],
     streaks: [u8; 3],
+    /// Judgements of this test, as far as they are counted.
+    rounds: u8,
+    /// How what stands out as an offset goes on, between command and displacement and of the force.
+    trends: [Trend; 2],
     /// Share of the last time in which each cause was in the set.
     member: [f32; Cause::ALL.len()],
     /// Causes that are no regression's, named in this round.
@@ -151,10 +189,12 @@ impl Judge {
             published: Set::EMPTY,
             findings: Vec::new(),
             elastic,
-            answers: [[None; 3]; WINDOWS],
+            answers: Answers::NONE,
             left: [0.0; 3],
-            reference: [None; 3],
+            reference: [[[0.0, 1.0]; REFERRED]; 2],
             streaks: [0; 3],
+            rounds: 0,
+            trends: [Trend::NONE; 2],
             member: [0.0; Cause::ALL.len()],
             heard: Set::EMPTY,
             doubt: None,
@@ -197,6 +237,12 @@ impl Judge {
         }
     }
 
+    /// True if the specimen has gone as far before, and has been elastic all the time.
+    pub(super) fn has_been_elastic_at(&self, x: f32) -> bool {
+        let furthest = self.furthest[usize::from(x <= 0.0)];
+        self.elastic && x.abs() < TURNED * furthest
+    }
+
     /// The causes of a set that has settled, with their values.
     pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> {
         let set = if self.unchanged < SETTLED {
@@ -224,14 +270,17 @@ impl Judge {
     pub(super) fn least(&self, k: &Constants, cause: Cause) -> Option<f32> {
         let mut least: Option<f32> = None;
         for regression in [ACTUATOR, FORCE, UNLOADING] {
-            for column in 0..7 {
+            for column in 0..8 {
                 let unit = [-1.0, 1.0]
                     .into_iter()
                     .filter_map(|theta| k.meaning(regression, column, theta))
                     .find_map(|(own, unit)| (own == cause).then_some(unit));
                 let Some(unit) = unit else { continue };
-                let answers = self.answers.iter().filter_map(|window| window[regression]);
-                for named in answers.filter_map(|a| least_named(&a, regression, column)) {
+                for named in self
+                    .answers
+                    .all(regression)
+                    .filter_map(|a| least_named(&a, regression, column))
+                {
                     let value = named * (unit * cause.per_si()).abs();
                     least = Some(least.map_or(value, |least| least.min(value)));
                 }
@@ -255,7 +304,7 @@ impl Judge {
 
     /// What a window says of a regression.
     pub(super) fn take(&mut self, window: usize, regression: usize, answer: Option<Answer>) {
-        self.answers[window][regression] = answer;
+        self.answers.put(window, regression, answer);
     }
 
     pub(super) fn name_noise(&mut self, k: &Constants, sensor: usize, sigma: f32) {
@@ -296,6 +345,7 @@ impl Judge {
     }
 
     /// A cause of this round with its value in SI units.
+    #[inline(never)] // It is asked for in a dozen places.
     fn note(&mut self, cause: Cause, value: f32, sd: f32) {
         self.heard.add(cause);
         let finding = Finding {
@@ -321,18 +371,29 @@ impl Judge {
             return false;
         }
         let best: [_; 3] = core::array::from_fn(|regression| self.best(regression));
-        let mut windows = self.answers.iter().filter_map(|window| window[ACTUATOR]);
-        self.doubts_limit = windows.any(|a| Hypothesis::of(a).is_limit_in_doubt(DOUBT[ACTUATOR]));
+        let is_limit = |a: Answer| Hypothesis::of(a).is_limit_in_doubt(DOUBT[ACTUATOR]);
+        self.doubts_limit = self.answers.all(ACTUATOR).any(is_limit);
         let doubtful = best
             .iter()
             .zip(DOUBT)
             .any(|(b, doubt)| b.is_some_and(|b| b.d > doubt));
         for (regression, best) in best.iter().enumerate() {
-            let named = best.as_ref().is_some_and(|b| b.is_name(regression));
+            let named = best.as_ref().is_some_and(|b| self.is_name(b, regression));
             let streak = &mut self.streaks[regression];
             *streak = if named { streak.saturating_add(1) } else { 0 };
         }
-        let settled = |own: &Self, regression: usize| own.streaks[regression] >= ROUNDS;
+        self.follow_offsets(k);
+        self.rounds = self.rounds.saturating_add(1);
+        let settled = |own: &Self, regression: usize| {
+            let streak = own.streaks[regression];
+            let began = own.rounds.saturating_sub(streak);
+            streak
+                >= if began < FIRST_ROUNDS {
+                    ROUNDS_AT_FIRST
+                } else {
+                    ROUNDS
+                }
+        };
         let mut decided_actuator = true;
         if settled(self, ACTUATOR)
             && let Some(best) = best[ACTUATOR]
@@ -359,21 +420,67 @@ impl Judge {
         before != (self.state, self.published)
     }
 
+    /// An offset that is named is followed, by the window that forgets soonest.
+    fn follow_offsets(&mut self, k: &Constants) {
+        for (trend, (regression, sides)) in self.trends.iter_mut().zip(OFFSETS) {
+            let names = sides.iter().flatten();
+            let is_named = { names }.any(|&cause| self.published.has(cause));
+            let answer = self.answers.of(0, *regression);
+            match answer.filter(|_| is_named) {
+                Some(answer) => trend.add(answer.theta[OFFSET], k.rounds_a_period()),
+                None => *trend = Trend::NONE,
+            }
+        }
+    }
+
+    /// An offset, or a drift where it goes on moving; `unit` is of the offset as of [`Constants::meaning`].
+    fn note_offset(
+        &mut self,
+        k: &Constants,
+        trend: usize,
+        [offset, drift]: [Cause; 2],
+        unit: f32,
+        [theta, sd]: [f32; 2],
+    ) {
+        match self.trends[trend].of_a_period(2.0, k.rounds_a_period()) {
+            Some((rate, sd)) => {
+                let per_s = unit * k.omega / core::f32::consts::TAU;
+                self.note(drift, rate * per_s, sd * per_s);
+            }
+            None => self.note(offset, theta * unit, sd * unit),
+        }
+    }
+
+    /// True if a hypothesis stands out enough for a name: beside what is declared, or beside what the same test had learnt.
+    fn is_name(&self, own: &Hypothesis, regression: usize) -> bool {
+        own.is_name(regression) || self.is_change(own, regression)
+    }
+
+    /// True if the force of a specimen that unloads has another slope or another lateness than before.
+    fn is_change(&self, own: &Hypothesis, regression: usize) -> bool {
+        let learnt = self.reference[UNLOADING - FORCE].get(own.column);
+        let learnt = learnt.filter(|_| regression == UNLOADING && own.column <= CHANGES);
+        learnt.is_some_and(|learnt| own.is_change_from(*learnt))
+    }
+
     /// The hypothesis of any window that stands out most.
+    #[inline(never)] // It is asked for three times.
     fn best(&self, regression: usize) -> Option<Hypothesis> {
         let mut best: Option<Hypothesis> = None;
         for window in 0..WINDOWS {
             if window == FRESH && self.doubt.is_none() {
                 continue;
             }
-            let Some(answer) = self.answers[window][regression] else {
+            let Some(answer) = self.answers.of(window, regression) else {
                 continue;
             };
             let own = Hypothesis::of(answer);
             let better = match &best {
                 None => true,
                 // What can be named goes before what only stands out.
-                Some(b) => (own.is_name(regression), own.d) > (b.is_name(regression), b.d),
+                Some(b) => {
+                    (self.is_name(&own, regression), own.d) > (self.is_name(b, regression), b.d)
+                }
             };
             if better {
                 best = Some(own);
@@ -410,12 +517,15 @@ impl Judge {
                 continue;
             };
             let [actuator, sensor] = self.sides(k, column, theta * k.half.actuator[column]);
-            if actuator {
-                self.note(cause, value, sd);
-            }
-            if sensor {
-                only_actuator = false;
-                self.note(twin, value, sd);
+            only_actuator &= !sensor;
+            let possible = [(actuator, cause, 0), (sensor, twin, 1)];
+            for (_, cause, side) in possible.into_iter().filter(|(possible, ..)| *possible) {
+                if column == OFFSET {
+                    let theta = [theta, answer.sd(column)];
+                    self.note_offset(k, 0, OFFSETS[0].1[side], unit, theta);
+                } else {
+                    self.note(cause, value, sd);
+                }
             }
         }
         only_actuator
@@ -439,13 +549,11 @@ impl Judge {
             (OFFSET, true) => (FORCE, 0, k.half.force[0], -value, OFFSET_OFF),
             _ => return [true; 2],
         };
-        let fresh = self.answers[FRESH][regression].or(self.answers[0][regression]);
-        let Some(now) = fresh.or(self.answers[1][regression]) else {
+        let mut shortest = [FRESH, 0, 1].into_iter();
+        let Some(now) = shortest.find_map(|window| self.answers.of(window, regression)) else {
             return [true; 2];
         };
-        // Without a reference the declared value is one, with its tolerance.
-        let (before, before_sd) =
-            self.reference[regression].map_or((0.0, 1.0), |r| (r.theta[column], r.sd(column)));
+        let [before, before_sd] = self.reference[regression - FORCE][column];
         let change = (now.theta[column] - before) * half;
         let sd = sqrtf(now.sd(column) * now.sd(column) + before_sd * before_sd) * half;
         let sd = sqrtf(sd * sd + off * off);
@@ -470,15 +578,16 @@ impl Judge {
             // A specimen that has just gone further than ever, too: it may do what nobody declared.
             self.elastic = false;
             self.streaks[FORCE] = 0;
-            for window in &mut self.answers {
-                window[FORCE] = None;
-            }
+            self.answers.forget(FORCE);
             return;
         }
         for column in best.set() {
             let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
             match k.meaning(regression, column, theta) {
                 Some((Cause::ForceGain, _)) => self.name_slope(k, regression, best, recent),
+                Some((Cause::ForceOffset, unit)) => {
+                    self.note_offset(k, 1, OFFSETS[1].1[0], unit, [theta, sd]);
+                }
                 Some((cause, unit)) => self.note(cause, theta * unit, sd * unit.abs()),
                 None => {}
             }
@@ -506,7 +615,7 @@ impl Judge {
     /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
     /// be either; one that falls slowly is a specimen that degrades.
     fn name_slope(&mut self, k: &Constants, regression: usize, best: &Hypothesis, recent: bool) {
-        let column = 1 - usize::from(regression == UNLOADING);
+        let column = slope_of(regression);
         let half = match regression {
             FORCE => k.half.force[1],
             _ => k.half.unloading[0],
@@ -516,8 +625,12 @@ impl Judge {
             self.note(Cause::ForceGain, theta * half, sd * half);
             return;
         }
-        let long = self.answers[REFERENCE][regression].filter(|a| a.periods > LEARNED);
-        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd);
+        let long = self
+            .answers
+            .of(REFERENCE, regression)
+            .filter(|a| a.periods > LEARNED);
+        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd)
+            || best.column == column && self.is_change(best, regression);
         if fallen && !recent {
             self.note(Cause::ForceGain, theta * half, sd * half);
             self.note(Cause::StiffnessLoss, theta * half, sd * half);
@@ -556,10 +669,16 @@ impl Judge {
         }
         if self.doubt.is_none() && self.published.is_empty() {
             for regression in 0..3 {
-                if let Some(answer) = self.answers[REFERENCE][regression] {
+                if let Some(answer) = self.answers.of(REFERENCE, regression) {
                     self.left[regression] = answer.left;
-                    if answer.periods > LEARNED {
-                        self.reference[regression] = Some(answer);
+                    // What unloads is little of a motion, and what has changed already is no reference.
+                    let (least, calm) = match regression {
+                        UNLOADING => (LEARNED_UNLOADING, Hypothesis::of(answer).d < CALM),
+                        _ => (LEARNED, true),
+                    };
+                    if regression != ACTUATOR && answer.periods > least && calm {
+                        self.reference[regression - FORCE] =
+                            core::array::from_fn(|j| [answer.theta[j], answer.sd(j)]);
                     }
                 }
             }

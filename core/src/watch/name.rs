@@ -67,7 +67,7 @@ causes! {
     ActuatorGain = "gain_error" Actuator "" 1.0,
     /// It stands beside its command.
     ActuatorOffset = "offset" Actuator "mm" 1e3,
-    /// It is held back by friction, or by the overlap of its valve.
+    /// It is held back by friction.
     ActuatorFriction = "coulomb_friction" Actuator "mm" 1e3,
     /// It gets no faster.
     RateLimit = "rate_limit" Actuator "mm/s" 1e3,
@@ -105,6 +105,14 @@ causes! {
     DisplacementHum = "mains_hum" Displacement "mm" 1e3,
     /// The mains on the force.
     ForceHum = "mains_hum" Force "N" 1.0,
+    /// It goes less far to either side by as much whatever the way: its valve overlaps.
+    ActuatorOverlap = "dead_band" Actuator "mm" 1e3,
+    /// The transducer's zero moves on.
+    DisplacementDrift = "drift" Displacement "mm/s" 1e3,
+    /// The load cell's zero moves on.
+    ForceDrift = "drift" Force "N/s" 1.0,
+    /// The actuator moves on beside its command.
+    ActuatorDrift = "drift" Actuator "mm/s" 1e3,
 }
 
 impl Cause {
@@ -132,7 +140,11 @@ impl Cause {
             | Self::DisplacementNoise
             | Self::ForceNoise
             | Self::DisplacementHum
-            | Self::ForceHum => None,
+            | Self::ForceHum
+            | Self::ActuatorOverlap
+            | Self::DisplacementDrift
+            | Self::ForceDrift
+            | Self::ActuatorDrift => None,
         }
     }
 
@@ -199,6 +211,7 @@ mod tests {
             assert_eq!(Cause::ALL.iter().filter(same).count(), 1);
         }
         assert_eq!(Cause::ForceHum as u8, 21);
+        assert_eq!(Cause::ActuatorDrift as u8, 25);
         let mut set = Set::EMPTY;
         set.add(Cause::ForceGain);
         set.add(Cause::StiffnessLoss);

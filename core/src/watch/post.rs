@@ -9,7 +9,7 @@ use super::orders::{Alarm, AxisOrders, Orders};
 use crate::record::flag;
 use core::num::{NonZeroU8, NonZeroU32};
 
-/// Blocks from one that is full to the orders that answer it: 16 ms.
+/// Blocks from one that is full to the orders that answer it: 16 ms at 2 kHz.
 pub const LATENCY: usize = 8;
 
 /// A block of the steps of a test, as one word: the test above, the block's number in it below.
@@ -17,11 +17,11 @@ pub const LATENCY: usize = 8;
 pub struct BlockId(NonZeroU32);
 
 impl BlockId {
-    /// Bits of the number: 500 blocks a second for 74 hours.
-    const NUMBER_BITS: u32 = 27;
+    /// Bits of the number: 500 blocks a second for 18 hours.
+    const NUMBER_BITS: u32 = 25;
     const NUMBERS: u32 = (1 << Self::NUMBER_BITS) - 1;
     /// Tests are told apart from those just before them: the one after the last of these is 1 again.
-    const LAST_TEST: u8 = 15;
+    const LAST_TEST: u8 = 63;
 
     /// Block `number`, from 0, of `test`.
     pub fn of(test: NonZeroU8, number: u32) -> Self {
@@ -60,7 +60,7 @@ impl BlockId {
 /// A control step of a test that is watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WatchedStep {
-    /// The test, 1 to 15 in turn.
+    /// The test, 1 to 63 in turn.
     pub test: NonZeroU8,
     /// The block of it whose answer is due with this step.
     pub due: Option<BlockId>,

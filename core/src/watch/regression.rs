@@ -68,7 +68,7 @@ impl Constants {
 /// The sums of one window.
 #[derive(Clone, Debug)]
 struct Window {
-    actuator: Normal<7, 28>,
+    actuator: Normal<8, 36>,
     force: Normal<7, 28>,
     unloading: Normal<4, 10>,
 }
@@ -85,8 +85,8 @@ impl Window {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Answer {
     /// Coefficients if one alone is free, in half tolerances, with their variances.
-    pub(super) theta: [f32; 7],
-    variance: [f32; 7],
+    pub(super) theta: [f32; 8],
+    pub(super) variance: [f32; 8],
     pub(super) explained: f32,
     pub(super) left: f32,
     /// Samples, natural periods of them.
@@ -112,7 +112,7 @@ impl Answer {
     }
 
     /// Twice the logarithm of each column's likelihood ratio.
-    pub(super) fn ratios(&self) -> [f32; 7] {
+    pub(super) fn ratios(&self) -> [f32; 8] {
         core::array::from_fn(|j| ratio(self.theta[j], self.variance[j]))
     }
 
@@ -175,7 +175,7 @@ impl Regressions {
     ) {
         let [y, v, a] = row.y;
         let [x, v_x] = row.x;
-        let columns = [1.0, y, -v, a, -sign(v), row.rate, row.stop];
+        let columns = [1.0, y, -v, a, -row.held, row.rate, row.stop, -sign(y)];
         let actuator_row = scaled(columns, &half.actuator);
         let beside = k.damping * v_x + k.mass * a;
         let columns = [1.0, x, v_x, a, sign(v_x), -sign(x), x * x * x];

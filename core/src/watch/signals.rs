@@ -9,6 +9,8 @@ use crate::float::{larger, smaller};
 
 /// Blocks in a row of the regressions.
 pub(super) const BLOCKS_IN_ROW: u8 = 4;
+/// Way over which an actuator's friction builds up after a turn, peaks.
+const BUILDS_UP: f32 = 0.01;
 /// The longest transport delay of an actuator, blocks.
 const LONGEST: usize = 64;
 /// The largest speed and the largest way are forgotten in so many natural periods.
@@ -48,6 +50,8 @@ pub(super) struct Row {
     pub(super) x: [f32; 2],
     /// Force in stiffness times peak.
     pub(super) r: f32,
+    /// How far friction is built up that holds the declared way back, of what it is at most.
+    pub(super) held: f32,
     /// How a limit of speed and one of stroke would change the declared way.
     pub(super) rate: f32,
     pub(super) stop: f32,
@@ -66,6 +70,8 @@ pub(super) struct Signals {
     /// Declared way, displacement, force, rate-limited less declared: the last three rows.
     past: [[f32; 3]; 4],
     slewed: f32,
+    /// Declared way since friction has turned, at most what it builds up over.
+    slides: f32,
     /// Leaky maxima of measured and declared speed, measured and declared way.
     most: [f32; 4],
     blocks: u8,
@@ -115,6 +121,7 @@ impl Signals {
             filters: [LowPass::settled(0.0); 4],
             past: [[0.0; 3]; 4],
             slewed: 0.0,
+            slides: 0.0,
             most: [0.0; 4],
             blocks: 0,
         }
@@ -174,6 +181,8 @@ impl Signals {
         let [y, x, r, rate] = &self.past;
         let velocity = |p: &[f32; 3]| (p[0] - p[2]) * k.slope;
         let (v, v_x) = (velocity(y), velocity(x));
+        let builds_up = BUILDS_UP;
+        self.slides = larger(smaller(self.slides + y[1] - y[2], builds_up), -builds_up);
         let acceleration = (y[0] - 2.0 * y[1] + y[2]) * k.curvature;
         let now = [v_x.abs(), v.abs(), x[1].abs(), y[1].abs()];
         for (most, now) in self.most.iter_mut().zip(now) {
@@ -186,6 +195,7 @@ impl Signals {
             y: [y[1], v, acceleration],
             x: [x[1], v_x],
             r: r[1],
+            held: self.slides / builds_up,
             rate: if speed < SLOWER * own_speed {
                 rate[1]
             } else {

@@ -1,4 +1,4 @@
-//! Of the control steps that the loop has shown: sums and run lengths, block by block.
+//! Of the control steps of a test: sums and run lengths, block by block.
 
 use super::post::BlockId;
 use core::num::NonZeroU8;

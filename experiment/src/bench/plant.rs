@@ -7,8 +7,8 @@ use crate::trace::{AnyRecord, TestObserver};
 use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
-use outerloop_core::watch::{InPlace, Instructions};
-use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
+use outerloop_core::watch::Instructions;
+use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
 /// Idle steps before arming: the loop averages where the specimen stands.
@@ -159,7 +159,6 @@ impl PlantBench<'_> {
                     {
                         break;
                     }
-                    in_place.judge(&mut outer, |blocks, orders| observer.judge(blocks, orders));
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {
                     outer.handle(Event::Arm).map_err(Failure::test)?;
@@ -174,6 +173,8 @@ impl PlantBench<'_> {
                 | Mode::Stopping
                 | Mode::Tripped => observer.on_idle_step(&step.record.into()),
             }
+            // As on a board, behind every step: it is watched if a test runs then, also where it has just gone on.
+            in_place.judge(&mut outer, |blocks, orders| observer.judge(blocks, orders));
             // What means nothing in this mode is refused, and nothing happens.
             if let Some(event) = observer.requested_event()
                 && outer.handle(event).is_ok()

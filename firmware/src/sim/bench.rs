@@ -125,18 +125,25 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// One control period; its report.
+    /// One control period, and what the tasks do in it; its report.
     pub fn step(&mut self) -> Report {
+        self.period();
+        self.take_in().unwrap_or_else(|| panic!("a report a step"))
+    }
+
+    /// The control interrupt's part of a period.
+    pub fn period(&mut self) {
         self.station.period(&mut self.hardware);
         for sign in self.alive {
             self.heartbeats.beat(sign);
         }
-        let report = self
-            .reports
-            .dequeue()
-            .unwrap_or_else(|| panic!("a report a step"));
+    }
+
+    /// The tasks' part: the next report that waits, if there is one.
+    pub fn take_in(&mut self) -> Option<Report> {
+        let report = self.reports.dequeue()?;
         self.service.see(&report);
-        report
+        Some(report)
     }
 
     /// Hands a command to the service; `None`: the answer comes after the next step, by [`go_on`](Self::go_on).

@@ -41,5 +41,5 @@ pub use service::{Board, CommandResult, Parts, Service};
 pub use settings::{CALIBRATION_BYTES, FlashRecord, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};
 pub use watchers::{
-    FromWatch, Judged, OrdersQueue, WatchParts, Watched, Watchers, Watches, answer, hand_over,
+    FromWatch, Judged, OrdersQueue, WatchParts, Watched, Watchers, Watches, pass_on,
 };

@@ -10,7 +10,7 @@ use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
-use super::watchers::{FromWatch, Watched, answer, hand_over};
+use super::watchers::{FromWatch, Watched, pass_on};
 use crate::hardware::Hardware;
 use crate::station::commission::Generator;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -194,8 +194,7 @@ impl<const A: usize> Station<A> {
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
         let inputs;
-        let mut watched = Watched::default();
-        let step = each_loop!(&mut self.setup.outer, outer => {
+        let (step, watched) = each_loop!(&mut self.setup.outer, outer => {
             outer.set_commissioning_command(commissioning_m.map(|commissioning_m| on_one_axis(moves, commissioning_m)));
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault, sample.chain_open) = (fresh, fault, chain_open);
@@ -204,15 +203,8 @@ impl<const A: usize> Station<A> {
             self.late = !time.add(hardware.now().wrapping_sub(begin));
             inputs = hardware.inputs();
             let report = StepReport::of(step.record, &codes, inputs, moves);
-            for (place, sent_m) in watched.sent_m.iter_mut().zip(&step.record.sent_m) {
-                *place = *sent_m;
-            }
-            let (test, due) = hand_over(outer, self.watch.judged);
-            watched.test = test;
-            if let Some(due) = due {
-                answer(outer, &mut self.watch, due);
-            }
-            report
+            let sent_m = step.record.sent_m;
+            (report, pass_on(outer, sent_m, &mut self.watch))
         });
 
         let differs = self

@@ -154,8 +154,8 @@ impl Service {
         }
     }
 
-    /// Takes in a step's report; true if what the rig watch says has changed. Asked for more often than every 16 ms, or the watch
-    /// ends.
+    /// Takes in a step's report; true if what the rig watch says has changed. Asked for more often than every 8 blocks of the watch (16 ms at
+    /// 2 kHz), or it ends.
     pub fn see(&mut self, report: &Report) -> bool {
         for (actuator, windows) in self.windows.iter_mut().enumerate() {
             let codes = report.step.codes(actuator).unwrap_or_default();
@@ -432,6 +432,10 @@ impl Service {
     fn configure(&mut self, config: Config) -> CommandResult {
         if let Err(refusal) = self.shown().check(&config) {
             return self.reply(refusal.into());
+        }
+        // Working it out takes longer than the rig watch of a running test may wait.
+        if self.state != Mode::Idle {
+            return self.reply(self.rejected(None, None));
         }
         let Some(spare) = self.spare.take() else {
             return self.reply(self.rejected(None, None));

@@ -24,7 +24,7 @@ use outerloop_core::{OuterLoop, Refusal};
 pub struct Watched {
     /// The running test, where it is watched.
     pub test: Option<NonZeroU8>,
-    /// Command that was in force, m, of each actuator; of those that the test does not have it is 0.
+    /// Command that was in force, m, of each of the test's first coordinates.
     pub sent_m: [f32; MAX_ACTUATORS],
 }
 
@@ -81,10 +81,27 @@ pub struct FromWatch<'a> {
 /// The watches of a test, one for each actuator.
 pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 
-/// What is left of the rig watch to the interrupt when the command is out: gives the test that this step is one of, if it is watched,
+/// What is left of the rig watch to the interrupt when the command is out; `sent_m` was in force in the step.
+#[inline]
+pub fn pass_on<const N: usize>(
+    outer: &mut OuterLoop<N>,
+    sent_m: [f32; N],
+    from: &mut FromWatch<'_>,
+) -> Watched {
+    let (test, due) = hand_over(outer, from.judged);
+    if let Some(due) = due {
+        answer(outer, from, due);
+    }
+    Watched {
+        test,
+        sent_m: core::array::from_fn(|j| sent_m.get(j).copied().unwrap_or(0.0)),
+    }
+}
+
+/// What every step takes of it: gives the test that this step is one of, if it is watched,
 /// and the block whose answer is due, if that is something else than that the orders stay ([`answer`]).
 #[inline(never)] // It delays no command, and what it takes is counted by itself.
-pub fn hand_over<const N: usize>(
+fn hand_over<const N: usize>(
     outer: &mut OuterLoop<N>,
     judged: &Judged,
 ) -> (Option<NonZeroU8>, Option<BlockId>) {
@@ -97,7 +114,7 @@ pub fn hand_over<const N: usize>(
 /// Does what answers the block that is `due`, or ends the watch of the test.
 #[cold]
 #[inline(never)] // In place it would lengthen what every step takes.
-pub fn answer<const N: usize>(outer: &mut OuterLoop<N>, from: &mut FromWatch<'_>, due: BlockId) {
+fn answer<const N: usize>(outer: &mut OuterLoop<N>, from: &mut FromWatch<'_>, due: BlockId) {
     if !from.judged.covers(due, ORDERS) {
         outer.end_watch();
         return;
@@ -138,8 +155,11 @@ pub struct Watchers<'a> {
     running: Option<NonZeroU8>,
     corrects: bool,
     state: State,
-    /// The control step that comes next where none is lost.
-    next_tick: u32,
+    /// The control step that comes next where none is lost, and whether one was since the last of a test.
+    next_tick: Option<u32>,
+    lost: bool,
+    /// All orders of this test had room on their way.
+    is_heard: bool,
     /// Control steps in a block.
     steps: u32,
     /// Since which control step of the running test state and sets have been so.
@@ -160,7 +180,9 @@ impl<'a> Watchers<'a> {
             running: None,
             corrects: false,
             state: State::Sound,
-            next_tick: 0,
+            next_tick: None,
+            lost: false,
+            is_heard: true,
             steps: 1,
             since_step: 0,
             asked: Orders::NONE,
@@ -213,20 +235,23 @@ impl<'a> Watchers<'a> {
         seen: &[Seen; MAX_ACTUATORS],
         now: fn() -> u32,
     ) -> bool {
-        let is_next = core::mem::replace(&mut self.next_tick, tick.wrapping_add(1)) == tick;
+        let next = self.next_tick.replace(tick.wrapping_add(1));
+        self.lost |= next.is_some_and(|next| next != tick);
         let actuators = self.own.watches.len();
         let Some(test) = test.filter(|_| actuators > 0) else {
             return false;
         };
+        let is_next = !core::mem::take(&mut self.lost);
         let begin = now();
         if self.running.replace(test) != Some(test) {
             self.own.watches.iter_mut().for_each(Watch::rest);
             self.asked = Orders::NONE;
             self.since_step = 0;
+            self.is_heard = true;
         }
         let seen = seen.iter().take(actuators);
         let full = self.taps.add(test, is_next, seen);
-        let changed = full.is_some_and(|(block, blocks)| self.answer(block, &blocks));
+        let changed = full.is_some_and(|(block, blocks)| self.judge_block(block, &blocks));
         self.spent = self.spent.wrapping_add(now().wrapping_sub(begin));
         if full.is_some() {
             self.time.add(core::mem::take(&mut self.spent));
@@ -235,7 +260,7 @@ impl<'a> Watchers<'a> {
     }
 
     /// Judges a block, and answers it.
-    fn answer(&mut self, block: BlockId, blocks: &[Block; MAX_ACTUATORS]) -> bool {
+    fn judge_block(&mut self, block: BlockId, blocks: &[Block; MAX_ACTUATORS]) -> bool {
         let mut orders = Orders {
             axes: [AxisOrders::NONE; MAX_ACTUATORS],
             ..Orders::NONE
@@ -249,12 +274,21 @@ impl<'a> Watchers<'a> {
             self.since_step = next.wrapping_sub(1);
         }
         let others = core::mem::replace(&mut self.asked, orders) != orders;
-        // Where there is no room the block stays without an answer.
-        if !others || self.own.orders.enqueue(OrdersOf { block, orders }).is_ok() {
+        // Orders for which there is no room are lost: then no block of this test has an answer any more.
+        self.is_heard &= !others || self.own.orders.enqueue(OrdersOf { block, orders }).is_ok();
+        if self.is_heard {
             let waiting = !self.own.orders.is_empty();
             self.own.judged.up_to(block, waiting);
         }
         verdict.changed
+    }
+
+    /// No test runs, and the next one is another one whatever its number.
+    pub(super) fn forget_test(&mut self) {
+        if self.running.take().is_some() {
+            self.taps = Taps::of(self.steps);
+        }
+        self.lost = false;
     }
 
     /// What it says of the rig, of the worst actuator.

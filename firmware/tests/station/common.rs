@@ -75,6 +75,14 @@ impl Bench {
         self.log.push(report);
     }
 
+    /// Control periods in which the tasks do nothing, and then all that has waited.
+    pub fn step_without_tasks(&mut self, steps: usize) {
+        (0..steps).for_each(|_| self.board.period());
+        while let Some(report) = self.board.take_in() {
+            self.log.push(report);
+        }
+    }
+
     pub fn ask_again(&mut self, command: Command) -> Reply {
         let mut answer = self
             .board

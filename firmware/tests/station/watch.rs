@@ -10,8 +10,8 @@ use link::telemetry::digest;
 use outerloop_core::watch::{
     Actions, Cause, Corrections, Declared, DeclaredActuator, Instructions, State,
 };
-use outerloop_core::watch::{InPlace, Watch, judge};
-use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Sample, flag};
+use outerloop_core::watch::{Watch, judge};
+use outerloop_core::{Design, Event, GroundMotion, InPlace, Mode, OuterLoop, Sample, flag};
 
 /// The spring behind its actuator, as declared.
 fn instructions() -> Instructions {
@@ -120,6 +120,13 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
         events.push((done(&b.event(Event::Arm)), Event::Arm));
         b.until(Mode::Armed);
         events.push((done(&b.event(Event::Start)), Event::Start));
+        // Not a whole number of blocks.
+        for _ in 0..403 {
+            b.step();
+        }
+        events.push((done(&b.event(Event::Hold)), Event::Hold));
+        b.until(Mode::Holding);
+        events.push((done(&b.event(Event::Start)), Event::Start));
         b.until(Mode::Finished);
         let said = status(&mut b).expect("it is watched");
         assert_eq!(said.state, State::Sound, "{said:?}");
@@ -141,7 +148,7 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
         }
         for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
             outer.handle(*event).unwrap();
-            if *event == Event::Start {
+            if *event == Event::Arm {
                 watch = [Watch::new(&instructions()).unwrap()];
             }
         }
@@ -158,6 +165,81 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
         }
     }
     assert_eq!(judged, said.blocks);
+}
+
+/// Tasks that are longer away than an answer may take end the watch of the test, and the records say so; the next test has its own.
+#[test]
+fn tasks_that_come_too_late_end_the_watch_of_the_test_and_of_no_other() {
+    let late = |b: &Bench| b.log.last().unwrap().step.flags & flag::WATCH_LATE != 0;
+    for (away, is_late) in [(24, false), (60, true)] {
+        let mut b = bench();
+        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Watch(0, instructions())));
+        b.upload(&pulse(), 0.01);
+        for expected in [is_late, false] {
+            for _ in 0..300 {
+                b.step();
+            }
+            done(&b.event(Event::Arm));
+            b.until(Mode::Armed);
+            done(&b.event(Event::Start));
+            for _ in 0..200 {
+                b.step();
+            }
+            if expected == is_late {
+                b.step_without_tasks(if expected { away } else { 24 });
+            }
+            b.until(Mode::Finished);
+            assert_eq!(late(&b), expected, "{away} steps");
+            done(&b.event(Event::Clear));
+        }
+    }
+}
+
+/// The loop on the PC that is told what the board was told has the same bits while the board corrects.
+#[test]
+fn a_test_that_is_corrected_is_worked_out_again_bit_for_bit() {
+    let mut b = bench();
+    let since = done(&b.ask(Command::Configure(config())));
+    let mut instructions = instructions();
+    // The actuator goes 8 % further than that, and the command is divided by it.
+    instructions.declared.actuator.gain = 1.0 / 1.08;
+    instructions.actions.correct.gain = true;
+    let told = done(&b.ask(Command::Watch(0, instructions.clone())));
+    let sways: Vec<f32> = (0..600).map(|i| 0.06 * (0.126 * i as f32).sin()).collect();
+    b.upload(&sways, 0.01);
+    for _ in 0..300 {
+        b.step();
+    }
+    let mut events = vec![(done(&b.event(Event::Arm)), Event::Arm)];
+    b.until(Mode::Armed);
+    events.push((done(&b.event(Event::Start)), Event::Start));
+    b.until(Mode::Finished);
+    let ground = GroundMotion::new(&sways, 0.01, config().model_step_s()).unwrap();
+    let calibration = Calibration::nominal(&CODES);
+    let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
+    let mut in_place = InPlace::beside(&outer);
+    let mut watch = [Watch::new(&instructions).unwrap()];
+    let mut adjusted = 0;
+    for report in b.log.iter().filter(|r| r.tick >= since) {
+        if report.tick == told {
+            outer.watch(true);
+        }
+        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
+            outer.handle(*event).unwrap();
+        }
+        let displacement_m = calibration.displacement.quantity(report.step.displacement);
+        let force_n = calibration.force.quantity(report.step.force);
+        let mut sample = Sample::new([displacement_m], [force_n]);
+        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
+        let record = outer.step(&sample, &ground).record;
+        assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
+        adjusted += u32::from(record.flags & flag::ADJUSTED != 0);
+        in_place.judge(&mut outer, |blocks, orders| {
+            judge(watch.iter_mut(), blocks, orders)
+        });
+    }
+    assert!(adjusted > 1000, "{adjusted} steps were corrected");
 }
 
 #[test]

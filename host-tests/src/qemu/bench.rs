@@ -5,11 +5,9 @@ use crate::{Scenario, Shaking};
 use firmware::session::SessionAccount;
 use link::Command;
 use link::reply::RefusedParameter;
-use outerloop_core::watch::{
-    Actions, Declared, DeclaredActuator, InPlace, Instructions, Watch, judge,
-};
+use outerloop_core::watch::{Actions, Declared, DeclaredActuator, Instructions, Watch, judge};
 use outerloop_core::{
-    Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
+    Config, Design, Event, Fault, GroundMotion, InPlace, Mode, OuterLoop, Record, Sample, flag,
 };
 use plant::Rig;
 use std::io::{Error, Result};

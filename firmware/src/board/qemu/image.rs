@@ -3,9 +3,7 @@
 use super::{Begin, Exchange, HostGone, SysTick, exit};
 use crate::chip::stack::HighWater;
 use crate::session::{PeriodReply, SessionAccount};
-use crate::station::{
-    FromWatch, Judged, OrdersQueue, WatchParts, Watchers, Watches, answer, hand_over,
-};
+use crate::station::{FromWatch, Judged, OrdersQueue, WatchParts, Watchers, Watches, pass_on};
 use crate::step_time::StepTime;
 use cortex_m::Peripherals;
 use link::reply::{RefusedParameter, Reply};
@@ -105,17 +103,15 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
             command_m: step.command_m,
         };
         hash = step.record.hash(hash);
+        let sent_m = step.record.sent_m;
         pc.output(&output, step.record)?;
         // As on a board: the interrupt's part behind the command, then the tasks'.
-        let (test, due) = hand_over(&mut outer, from_watch.judged);
-        if let Some(due) = due {
-            answer(&mut outer, &mut from_watch, due);
-        }
+        let watched = pass_on(&mut outer, sent_m, &mut from_watch);
         let mut seen = [Seen::default(); MAX_ACTUATORS];
         for (place, seen) in seen.iter_mut().zip(outer.seen()) {
             *place = seen;
         }
-        watchers.see(time.steps(), test, &seen, || 0);
+        watchers.see(time.steps(), watched.test, &seen, || 0);
     }
     pc.end(&SessionAccount {
         hash,

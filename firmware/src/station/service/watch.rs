@@ -52,6 +52,9 @@ impl Service {
 
     /// Has the rig watch judge a step; true if what it says has changed.
     pub(super) fn watch_step(&mut self, report: &Report) -> bool {
+        if self.state == Mode::Idle {
+            self.watchers.forget_test();
+        }
         let mut seen = [Seen::default(); MAX_ACTUATORS];
         let each = seen.iter_mut().zip(&report.watched.sent_m);
         for (actuator, ((place, sent_m), (lines, _))) in each.zip(&self.calibrations).enumerate() {

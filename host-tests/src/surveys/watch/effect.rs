@@ -134,6 +134,8 @@ pub(super) struct DrawnEffect {
     pub(super) from_s: f64,
     /// The names that are right.
     pub(super) right: Vec<Name>,
+    /// Those that are right at first as well: a drift is an offset until it has moved on.
+    pub(super) at_first: Vec<Name>,
 }
 
 impl DrawnEffect {
@@ -182,6 +184,11 @@ impl DrawnEffect {
             kind,
             text: format!("[[plant.effects]]\nfrom_s = {from_s}\n{axis}{body}\n"),
             from_s,
+            at_first: right
+                .iter()
+                .filter(|name| name.0 == "drift")
+                .map(|(_, side)| ("offset", *side))
+                .collect(),
             right,
         }
     }
@@ -315,14 +322,14 @@ fn other(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<Name>) {
                 "name = 'dead_band'\nchannel = 'actuator'\nwidth_mm = {}",
                 2.0 * way_mm
             ),
-            vec![("coulomb_friction", "actuator"), ("gain_error", "actuator")],
+            vec![("dead_band", "actuator")],
         ),
         Kind::DisplacementDrift => (
             format!(
                 "name = 'drift'\nsensor = 'displacement'\nrate_mm_per_s = {}",
                 sign * way_mm / (0.25 * rig.seconds)
             ),
-            vec![("offset", "displacement")],
+            vec![("drift", "displacement")],
         ),
         Kind::ForceOffset => (
             format!(
@@ -336,7 +343,7 @@ fn other(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<Name>) {
                 "name = 'drift'\nsensor = 'force'\nrate_n_per_s = {}",
                 sign * force_n / (0.25 * rig.seconds)
             ),
-            vec![("offset", "force")],
+            vec![("drift", "force")],
         ),
         Kind::Noise => (
             format!(

@@ -227,10 +227,11 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
     let counts: Vec<&FaultTrial> = one.iter().filter(|t| t.counts).copied().collect();
     let late = |t: &&&FaultTrial| t.kind == Kind::ActuatorLate && t.adds(MATTERS);
     let late: Vec<&FaultTrial> = counts.iter().filter(late).copied().collect();
+    let corrected: Vec<&FaultTrial> = late.iter().filter(|t| !t.learns).copied().collect();
     let mean = |of: &dyn Fn(&FaultTrial) -> f64| {
-        100.0 * late.iter().map(|t| of(t)).sum::<f64>() / late.len().max(1) as f64
+        100.0 * corrected.iter().map(|t| of(t)).sum::<f64>() / corrected.len().max(1) as f64
     };
-    let halved = Share::among(&late, |t| t.eps[2] - t.eps[0] <= 0.5 * t.added());
+    let halved = Share::among(&corrected, |t| t.eps[2] - t.eps[0] <= 0.5 * t.added());
     let ats: Vec<f64> = late
         .iter()
         .filter_map(|t| t.adaptive.map(|a| a[1]))
@@ -261,7 +262,7 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
         count(
             "correction worse by more than 1 % of peak",
             "0 of 5000",
-            Share::among(&counts, |t| t.eps[2] > t.eps[1] + WORSE),
+            Share::among(&counts, |t| !t.saved && t.eps[2] > t.eps[1] + WORSE),
             0,
         ),
         count(

@@ -62,6 +62,10 @@ pub struct FaultTrial {
     pub adaptive: Option<[f64; 3]>,
     /// The corrected test ended early, and the other did not.
     pub unstable: bool,
+    /// The other was stopped, and the corrected one ran to its end: its error is of a longer test.
+    pub saved: bool,
+    /// The compensation learns lateness and gain itself: nothing is corrected for.
+    pub learns: bool,
     /// What was named first, in words.
     pub named: Option<String>,
     /// The first set holds a right name; the last does; the last is nothing else.
@@ -200,7 +204,8 @@ impl FaultTrial {
         };
         let sound = planned.run("", None)?;
         let faulty = planned.run(&text, None)?;
-        let corrected = match learns(&planned)? {
+        let learns = learns(&planned)?;
+        let corrected = match learns {
             // It learns lateness and gain itself.
             true => faulty.clone(),
             false => planned.run(&format!("{text}{CORRECT}"), None)?,
@@ -211,12 +216,17 @@ impl FaultTrial {
         });
         let adaptive = adaptive.transpose()?;
         let rig = &planned.rig;
-        let right: Vec<Name> = std::iter::once(effect)
-            .chain(beside)
-            .flat_map(|e| e.right.iter().copied())
-            .collect();
+        let of_both = |names: fn(&DrawnEffect) -> &[Name]| -> Vec<Name> {
+            let both = std::iter::once(effect).chain(beside);
+            both.flat_map(|e| names(e).iter().copied()).collect()
+        };
+        let (right, at_first) = (of_both(|e| &e.right), of_both(|e| &e.at_first));
         let from_s = beside.map_or(effect.from_s, |b| effect.from_s.min(b.from_s));
         let holds = |e: &WatchEvent| e.set.iter().any(|c| right.contains(&(c.name, c.side)));
+        let early = |e: &WatchEvent| {
+            let mut names = e.set.iter().map(|c| (c.name, c.side));
+            holds(e) || names.any(|name| at_first.contains(&name))
+        };
         let watch = faulty.watch.as_ref();
         let all = watch.map_or(&[][..], |w| &w.events);
         let last = all.last().filter(|e| !e.set.is_empty());
@@ -230,15 +240,18 @@ impl FaultTrial {
             eps: [&sound, &faulty, &corrected].map(eps),
             adaptive,
             unstable: eps(&corrected) >= LOST && eps(&faulty) < LOST,
+            saved: corrected.verdict == TestVerdict::Completed
+                && faulty.verdict != TestVerdict::Completed,
+            learns,
             named: first(watch).map(in_words),
             right: [
-                first(watch).is_some_and(holds),
+                first(watch).is_some_and(early),
                 last.is_some_and(holds),
                 last.is_some_and(|e| holds(e) && e.set.len() == 1),
             ],
             cycles: all
                 .iter()
-                .find(|e| holds(e))
+                .find(|e| early(e))
                 .map(|e| (e.t_s - from_s) * rig.omega / TAU),
             energy: faulty.trip == Some("energy") || faulty.energy_ratio > ENERGY_TRIP,
         })

@@ -1,11 +1,8 @@
-//! Judges a loop where it runs, without tasks beside it: on a PC.
+//! The rig watch where the loop runs, without tasks beside it: on a PC.
 
-use super::orders::{AxisOrders, Orders};
-use super::post::{BlockId, LATENCY, WatchedStep};
-use super::tap::{Block, Taps};
-use super::verdict::Verdict;
 use crate::outer_loop::OuterLoop;
 use crate::rig::Rig;
+use crate::watch::{AxisOrders, Block, BlockId, LATENCY, Orders, Taps, Verdict, WatchedStep};
 
 /// Makes blocks of the steps of a loop, and keeps the answers until they come into force.
 #[derive(Clone, Debug)]
@@ -35,7 +32,7 @@ impl<const N: usize> InPlace<N> {
     }
 
     /// Has the block that the last control step of `outer` has filled judged by `judge`, which fills the orders of each axis; false
-    /// where it has filled none, or was looked at before. To be called after each step of a test.
+    /// where it has filled none, or was looked at before. To be called behind every step, whatever the mode.
     pub fn judge<R: Rig<N>>(
         &mut self,
         outer: &mut OuterLoop<N, R>,

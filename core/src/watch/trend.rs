@@ -1,0 +1,90 @@
+//! Whether a value that stands out goes on moving in one direction: an offset that drifts.
+
+/// Natural periods after the first value that do not count: a window still holds what was before.
+const BEGINS: f32 = 1.0;
+/// Natural periods over which it has to move, at least.
+const LEAST: f32 = 2.0;
+/// Share of its variance that a straight line has to explain.
+const STRAIGHT: f32 = 0.9;
+
+/// The line through the values of successive rounds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trend {
+    rounds: f32,
+    n: f32,
+    time: f32,
+    times: f32,
+    value: f32,
+    values: f32,
+    product: f32,
+}
+
+impl Trend {
+    /// No value yet.
+    pub(super) const NONE: Self = Self {
+        rounds: 0.0,
+        n: 0.0,
+        time: 0.0,
+        times: 0.0,
+        value: 0.0,
+        values: 0.0,
+        product: 0.0,
+    };
+
+    /// The value of the next round, of which a natural period has so many.
+    pub(super) fn add(&mut self, value: f32, a_period: f32) {
+        self.rounds += 1.0;
+        if self.rounds <= BEGINS * a_period {
+            return;
+        }
+        let time = self.n / a_period;
+        self.n += 1.0;
+        self.time += time;
+        self.times += time * time;
+        self.value += value;
+        self.values += value * value;
+        self.product += time * value;
+    }
+
+    /// Change in a natural period with its standard deviation, where the values follow a line and have moved by more than `least`.
+    pub(super) fn of_a_period(&self, least: f32, a_period: f32) -> Option<(f32, f32)> {
+        let span = self.n / a_period;
+        if span < LEAST {
+            return None;
+        }
+        let spread = self.times - self.time * self.time / self.n;
+        let values = self.values - self.value * self.value / self.n;
+        let product = self.product - self.time * self.value / self.n;
+        let slope = product / spread;
+        let straight = product * product > STRAIGHT * spread * values;
+        // Of a period's values only one is new.
+        let left = (values - slope * product).max(0.0) / span;
+        (straight && (slope * span).abs() > least).then(|| (slope, libm::sqrtf(left / spread)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A_PERIOD: f32 = 20.0;
+
+    fn trend(rounds: usize, value: impl Fn(f32) -> f32) -> Option<f32> {
+        let mut trend = Trend::NONE;
+        for i in 0..rounds {
+            trend.add(value(i as f32 / A_PERIOD), A_PERIOD);
+        }
+        trend.of_a_period(2.0, A_PERIOD).map(|(rate, _)| rate)
+    }
+
+    #[test]
+    fn what_moves_on_has_a_rate_and_what_has_jumped_or_sways_has_none() {
+        let rate = trend(80, |t| 4.0 + 1.5 * t).expect("it moves");
+        assert!((rate - 1.5).abs() < 1e-3, "{rate}");
+        // As a window sees a jump: what was before is forgotten.
+        assert_eq!(trend(80, |t| 6.0 * (1.0 - (-t / 0.75_f32).exp())), None);
+        assert_eq!(trend(80, |t| 6.0 + 2.0 * (6.0 * t).sin()), None);
+        assert_eq!(trend(80, |t| 6.0 + 0.3 * t), None, "within the tolerance");
+        assert_eq!(trend(50, |t| 4.0 + 3.0 * t), None, "too soon");
+    }
+}
