@@ -58,8 +58,8 @@ const LEARNED: f32 = 1.0;
 const LEARNED_UNLOADING: f32 = 0.25;
 /// Twice the logarithm of the likelihood ratio below which what unloads is what it was.
 const CALM: f32 = 4.0;
-/// The last column of the unloading that may change: slope and lateness.
-const CHANGES: usize = 1;
+/// Columns of the unloading that may change: slope and lateness.
+const CHANGES: usize = 2;
 /// Deviations by which one side is possible and the other worse.
 const POSSIBLE: f32 = 3.0;
 const WORSE: f32 = 2.0;
@@ -157,6 +157,8 @@ pub(super) struct Judge {
     /// unloading. Before there is one the declared value is it, with its tolerance.
     left: [f32; 3],
     reference: [[[f32; 2]; REFERRED]; 2],
+    /// Slope and lateness of the unloading while they were what they had been, with deviations.
+    learnt: [[f32; 2]; CHANGES],
     streaks: [u8; 3],
     /// Judgements of this test, as far as they are counted.
     rounds: u8,
@@ -192,6 +194,7 @@ impl Judge {
             answers: Answers::NONE,
             left: [0.0; 3],
             reference: [[[0.0, 1.0]; REFERRED]; 2],
+            learnt: [[0.0, 1.0]; CHANGES],
             streaks: [0; 3],
             rounds: 0,
             trends: [Trend::NONE; 2],
@@ -458,8 +461,8 @@ impl Judge {
 
     /// True if the force of a specimen that unloads has another slope or another lateness than before.
     fn is_change(&self, own: &Hypothesis, regression: usize) -> bool {
-        let learnt = self.reference[UNLOADING - FORCE].get(own.column);
-        let learnt = learnt.filter(|_| regression == UNLOADING && own.column <= CHANGES);
+        let learnt = self.learnt.get(own.column);
+        let learnt = learnt.filter(|_| regression == UNLOADING);
         learnt.is_some_and(|learnt| own.is_change_from(*learnt))
     }
 
@@ -671,14 +674,15 @@ impl Judge {
             for regression in 0..3 {
                 if let Some(answer) = self.answers.of(REFERENCE, regression) {
                     self.left[regression] = answer.left;
+                    let learnt = |j: usize| [answer.theta[j], answer.sd(j)];
+                    if regression != ACTUATOR && answer.periods > LEARNED {
+                        self.reference[regression - FORCE] = core::array::from_fn(learnt);
+                    }
                     // What unloads is little of a motion, and what has changed already is no reference.
-                    let (least, calm) = match regression {
-                        UNLOADING => (LEARNED_UNLOADING, Hypothesis::of(answer).d < CALM),
-                        _ => (LEARNED, true),
-                    };
-                    if regression != ACTUATOR && answer.periods > least && calm {
-                        self.reference[regression - FORCE] =
-                            core::array::from_fn(|j| [answer.theta[j], answer.sd(j)]);
+                    let calm =
+                        answer.periods > LEARNED_UNLOADING && Hypothesis::of(answer).d < CALM;
+                    if regression == UNLOADING && calm {
+                        self.learnt = core::array::from_fn(learnt);
                     }
                 }
             }
