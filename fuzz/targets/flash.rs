@@ -72,7 +72,7 @@ fn runs<const N: usize>(config: &Config, mut outer: OuterLoop<N>) {
     for _ in 0..8 {
         step(&mut outer);
     }
-    if outer.state() == Mode::Tripped {
+    if outer.mode() == Mode::Tripped {
         outer.handle(Event::Clear).expect("a trip can be cleared");
         step(&mut outer);
     }

@@ -64,7 +64,7 @@ fn understood(frame: &Frame<'_>) {
         let (actuators, inputs) = (usize::from(further >> 4) + 1, usize::from(further & 0xf));
         assert_eq!(telemetry.encode(actuators, inputs), frame.body);
         for step in &telemetry.steps {
-            let _ = (step.state(), step.fault(), step.codes(2));
+            let _ = (step.mode(), step.fault(), step.codes(2));
         }
     }
 }
