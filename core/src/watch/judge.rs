@@ -1,4 +1,6 @@
-//! From hypotheses to causes: which of them, on which side, since when.
+//! From hypotheses to causes: which of them, since when; `judge/naming.rs`: on which side.
+
+mod naming;
 
 use super::answers::Answers;
 use super::declared::Declared;
@@ -10,7 +12,6 @@ use super::state::{Finding, State};
 use super::trend::Trend;
 use crate::float::larger;
 use heapless::Vec;
-use libm::sqrtf;
 
 /// Where an offset stands out, and on each side on which it may be the cause with its drift.
 const OFFSETS: &[(usize, &[[Cause; 2]]); 2] = &[
@@ -490,154 +491,6 @@ impl Judge {
             }
         }
         best
-    }
-
-    /// Names what is wrong between command and displacement. True if it is the actuator and no sensor.
-    fn name_actuator(&mut self, k: &Constants, best: &Hypothesis) -> bool {
-        let mut only_actuator = true;
-        for column in best.set() {
-            let answer = &best.answer;
-            let theta = answer.theta[column];
-            match column {
-                5 => {
-                    let speed = self.limits[0] * k.omega * k.peak_m;
-                    self.note(Cause::RateLimit, speed, 0.05 * speed);
-                    continue;
-                }
-                6 => {
-                    let way = self.limits[1] * k.peak_m;
-                    self.note(Cause::StrokeLimit, way, 0.02 * way);
-                    continue;
-                }
-                _ => {}
-            }
-            let Some((cause, unit)) = k.meaning(ACTUATOR, column, theta) else {
-                continue;
-            };
-            let (value, sd) = (theta * unit, answer.sd(column) * unit);
-            let Some(twin) = cause.twin() else {
-                self.note(cause, value, sd);
-                continue;
-            };
-            let [actuator, sensor] = self.sides(k, column, theta * k.half.actuator[column]);
-            only_actuator &= !sensor;
-            let possible = [(actuator, cause, 0), (sensor, twin, 1)];
-            for (_, cause, side) in possible.into_iter().filter(|(possible, ..)| *possible) {
-                if column == OFFSET {
-                    let theta = [theta, answer.sd(column)];
-                    self.note_offset(k, 0, OFFSETS[0].1[side], unit, theta);
-                } else {
-                    self.note(cause, value, sd);
-                }
-            }
-        }
-        only_actuator
-    }
-
-    /// Which sides are possible of a column between command and displacement: actuator, displacement transducer. A wrong
-    /// transducer makes the force look wrong as well, by as much; a wrong actuator does not.
-    fn sides(&self, k: &Constants, column: usize, value: f32) -> [bool; 2] {
-        let slope = 1.0 / (1.0 + value) - 1.0;
-        let (regression, column, half, implied, off) = match (column, self.elastic) {
-            (GAIN, true) => (FORCE, 1, k.half.force[1], slope, SLOPE_OFF),
-            (GAIN, false) => (UNLOADING, 0, k.half.unloading[0], slope, SLOPE_OFF),
-            (LATE, true) => {
-                let half = k.half.force[2];
-                (FORCE, 2, half, value, LATE_OFF * half)
-            }
-            (LATE, false) => {
-                let half = k.half.unloading[1];
-                (UNLOADING, 1, half, value, LATE_OFF * half)
-            }
-            (OFFSET, true) => (FORCE, 0, k.half.force[0], -value, OFFSET_OFF),
-            _ => return [true; 2],
-        };
-        let mut shortest = [FRESH, 0, 1].into_iter();
-        let Some(now) = shortest.find_map(|window| self.answers.of(window, regression)) else {
-            return [true; 2];
-        };
-        let [before, before_sd] = self.reference[regression - FORCE][column];
-        let change = (now.theta[column] - before) * half;
-        let sd = sqrtf(now.sd(column) * now.sd(column) + before_sd * before_sd) * half;
-        let sd = sqrtf(sd * sd + off * off);
-        let (if_actuator, if_sensor) = ((change / sd).abs(), ((change - implied) / sd).abs());
-        if if_sensor < POSSIBLE && if_actuator > if_sensor + WORSE {
-            [false, true]
-        } else if if_actuator < POSSIBLE && if_sensor > if_actuator + WORSE {
-            [true, false]
-        } else {
-            [true; 2]
-        }
-    }
-
-    /// Names what is wrong between displacement and force.
-    fn name_force(&mut self, k: &Constants, regression: usize, best: &Hypothesis) {
-        let recent = (self.since_largest as f32) < NEW_LARGEST * k.blocks_a_period;
-        // What looks like an offset and like friction at once is a specimen that has yielded.
-        let looks_like = |column: usize| best.set().any(|c| c == column);
-        let yields = looks_like(0) && looks_like(4);
-        let yielded = || self.is_of_yielding(k, best);
-        if regression == FORCE && (recent || yields || yielded()) {
-            // A specimen that has just gone further than ever, too: it may do what nobody declared.
-            self.elastic = false;
-            self.streaks[FORCE] = 0;
-            self.answers.forget(FORCE);
-            return;
-        }
-        for column in best.set() {
-            let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
-            match k.meaning(regression, column, theta) {
-                Some((Cause::ForceGain, _)) => self.name_slope(k, regression, best, recent),
-                Some((Cause::ForceOffset, unit)) => {
-                    self.note_offset(k, 1, OFFSETS[1].1[0], unit, [theta, sd]);
-                }
-                Some((cause, unit)) => self.note(cause, theta * unit, sd * unit.abs()),
-                None => {}
-            }
-        }
-    }
-
-    /// True if an offset, a friction or a mass is among the causes and no larger than what a specimen leaves behind that has yielded
-    /// by as much as its force fell short at the largest motion: set to the side to which it has yielded, a loop as wide as both, a
-    /// force less by as much at the turns.
-    fn is_of_yielding(&self, k: &Constants, best: &Hypothesis) -> bool {
-        let [up, down] = self.short;
-        best.set().any(|column| {
-            let theta = best.answer.theta[column];
-            let left = match column {
-                0 if theta < 0.0 => up,
-                0 => down,
-                3 | 4 => 0.5 * (up + down),
-                _ => return false,
-            };
-            let half = k.half.force[column];
-            theta.abs() * half < left + 2.0 * half
-        })
-    }
-
-    /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
-    /// be either; one that falls slowly is a specimen that degrades.
-    fn name_slope(&mut self, k: &Constants, regression: usize, best: &Hypothesis, recent: bool) {
-        let column = slope_of(regression);
-        let half = match regression {
-            FORCE => k.half.force[1],
-            _ => k.half.unloading[0],
-        };
-        let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
-        if theta > 0.0 {
-            self.note(Cause::ForceGain, theta * half, sd * half);
-            return;
-        }
-        let long = self
-            .answers
-            .of(REFERENCE, regression)
-            .filter(|a| a.periods > LEARNED);
-        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd)
-            || best.column == column && self.is_change(best, regression);
-        if fallen && !recent {
-            self.note(Cause::ForceGain, theta * half, sd * half);
-            self.note(Cause::StiffnessLoss, theta * half, sd * half);
-        }
     }
 
     /// State and published set at the end of a round.

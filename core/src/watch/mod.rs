@@ -20,7 +20,7 @@
 //! | `noise.rs`, `frozen.rs`, `play.rs` | what is no regression |
 //! | `trend.rs` | whether an offset goes on moving |
 //! | `state.rs`, `name.rs`, `verdict.rs` | states, causes with their sides, sets, of all actuators together |
-//! | `hypothesis.rs`, `judge.rs` | from hypotheses to causes: which side, which set, when |
+//! | `hypothesis.rs`, `judge.rs`, `judge/naming.rs` | from hypotheses to causes: which side, which set, when |
 //!
 //! A cause is named when letting it alone go explains the residual far better than the declared tolerances do: twice the
 //! logarithm of the likelihood ratio above 12, a value beyond its tolerance by two standard deviations, 70 % of the residual

@@ -40,11 +40,6 @@ impl BlockId {
         self.word() & Self::NUMBERS
     }
 
-    /// True if it is a block of `test`.
-    pub fn is_of(self, test: NonZeroU8) -> bool {
-        self.word() >> Self::NUMBER_BITS == u32::from(test.get())
-    }
-
     /// True if both are blocks of one test.
     pub fn is_in_test_of(self, other: Self) -> bool {
         (self.word() ^ other.word()) >> Self::NUMBER_BITS == 0

@@ -122,6 +122,11 @@ impl<const N: usize> Taps<N> {
         }
     }
 
+    /// The test of which a step came last.
+    pub fn test(&self) -> Option<NonZeroU8> {
+        self.test
+    }
+
     /// Takes in the next control step of `test`, of the actuators that it has; `is_next`: none was lost before it. Gives the
     /// block that it fills. After a step that was lost there are no blocks until the next test.
     pub fn add<'a>(
@@ -167,7 +172,7 @@ mod tests {
             let test = NonZeroU8::new(test).unwrap();
             let seen = [[0.0, number as f32, 0.0]];
             if let Some((block, [mean])) = taps.add(test, is_next, seen.iter()) {
-                assert!(block.is_of(test));
+                assert_eq!(block, BlockId::of(test, block.number()));
                 let _ = full.push((test.get(), block.number(), mean.displacement_m));
             }
         };

@@ -20,7 +20,7 @@ use outerloop_core::watch::{
 use outerloop_core::{OuterLoop, Refusal};
 
 /// What the rig watch needs of a control step beside its codes.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Watched {
     /// The running test, where it is watched.
     pub test: Option<NonZeroU8>,
@@ -151,8 +151,6 @@ pub struct WatchParts<'a> {
 pub struct Watchers<'a> {
     own: WatchParts<'a>,
     taps: Taps<MAX_ACTUATORS>,
-    /// The last test of which a step has come.
-    running: Option<NonZeroU8>,
     corrects: bool,
     state: State,
     /// The control step that comes next where none is lost, and whether one was since the last of a test.
@@ -177,7 +175,6 @@ impl<'a> Watchers<'a> {
         Self {
             own,
             taps: Taps::of(1),
-            running: None,
             corrects: false,
             state: State::Sound,
             next_tick: None,
@@ -218,7 +215,6 @@ impl<'a> Watchers<'a> {
     pub fn tell(&mut self, told: &Instructions, steps: u32) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
         self.taps = Taps::of(steps);
-        self.running = None;
         self.steps = steps;
         self.corrects |= told.corrects();
         // There is room for every actuator of a board.
@@ -243,7 +239,7 @@ impl<'a> Watchers<'a> {
         };
         let is_next = !core::mem::take(&mut self.lost);
         let begin = now();
-        if self.running.replace(test) != Some(test) {
+        if self.taps.test() != Some(test) {
             self.own.watches.iter_mut().for_each(Watch::rest);
             self.asked = Orders::NONE;
             self.since_step = 0;
@@ -285,7 +281,7 @@ impl<'a> Watchers<'a> {
 
     /// No test runs, and the next one is another one whatever its number.
     pub(super) fn forget_test(&mut self) {
-        if self.running.take().is_some() {
+        if self.taps.test().is_some() {
             self.taps = Taps::of(self.steps);
         }
         self.lost = false;

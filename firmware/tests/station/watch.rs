@@ -105,7 +105,45 @@ fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
     assert!(matches!(b.ask(good()), Reply::Rejected { .. }), "not idle");
 }
 
-/// The loop on the PC with a watch of its own, fed with the board's codes, has the same bits and is corrected the same.
+/// The loop on the PC with a watch of its own, fed with the board's codes, in steps from the test's `since` on; the board was `told` to
+/// watch it. Every step has the same bits. How many blocks were judged, and how many steps corrected.
+fn worked_out_again(
+    b: &Bench,
+    instructions: &Instructions,
+    points: &[f32],
+    [since, told]: [u32; 2],
+    events: &[(u32, Event)],
+) -> [u32; 2] {
+    let calibration = Calibration::nominal(&CODES);
+    let ground = GroundMotion::new(points, 0.01, config().model_step_s()).unwrap();
+    let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
+    let mut in_place = InPlace::beside(&outer);
+    let mut watch = [Watch::new(instructions).unwrap()];
+    let [mut judged, mut adjusted] = [0; 2];
+    for report in b.log.iter().filter(|r| r.tick >= since) {
+        if report.tick == told {
+            outer.watch(true);
+        }
+        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
+            outer.handle(*event).unwrap();
+            if *event == Event::Arm {
+                watch = [Watch::new(instructions).unwrap()];
+            }
+        }
+        let displacement_m = calibration.displacement.quantity(report.step.displacement);
+        let force_n = calibration.force.quantity(report.step.force);
+        let mut sample = Sample::new([displacement_m], [force_n]);
+        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
+        let record = outer.step(&sample, &ground).record;
+        assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
+        adjusted += u32::from(record.flags & flag::ADJUSTED != 0);
+        judged += u32::from(in_place.judge(&mut outer, |blocks, orders| {
+            judge(watch.iter_mut(), blocks, orders)
+        }));
+    }
+    [judged, adjusted]
+}
+
 #[test]
 fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
     let mut b = bench();
@@ -135,35 +173,7 @@ fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
     let said = status(&mut b).expect("it is watched");
     assert!(said.blocks > 900, "{said:?}");
 
-    let calibration = Calibration::nominal(&CODES);
-    let points = pulse();
-    let ground = GroundMotion::new(&points, 0.01, config().model_step_s()).unwrap();
-    let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
-    let mut in_place = InPlace::beside(&outer);
-    let mut watch = [Watch::new(&instructions()).unwrap()];
-    let mut judged = 0;
-    for report in b.log.iter().filter(|r| r.tick >= since) {
-        if report.tick == told {
-            outer.watch(true);
-        }
-        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
-            outer.handle(*event).unwrap();
-            if *event == Event::Arm {
-                watch = [Watch::new(&instructions()).unwrap()];
-            }
-        }
-        let displacement_m = calibration.displacement.quantity(report.step.displacement);
-        let force_n = calibration.force.quantity(report.step.force);
-        let mut sample = Sample::new([displacement_m], [force_n]);
-        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
-        let record = outer.step(&sample, &ground).record;
-        assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
-        if in_place.judge(&mut outer, |blocks, orders| {
-            judge(watch.iter_mut(), blocks, orders)
-        }) {
-            judged += 1;
-        }
-    }
+    let [judged, _] = worked_out_again(&b, &instructions(), &pulse(), [since, told], &events);
     assert_eq!(judged, said.blocks);
 }
 
@@ -215,30 +225,7 @@ fn a_test_that_is_corrected_is_worked_out_again_bit_for_bit() {
     b.until(Mode::Armed);
     events.push((done(&b.event(Event::Start)), Event::Start));
     b.until(Mode::Finished);
-    let ground = GroundMotion::new(&sways, 0.01, config().model_step_s()).unwrap();
-    let calibration = Calibration::nominal(&CODES);
-    let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
-    let mut in_place = InPlace::beside(&outer);
-    let mut watch = [Watch::new(&instructions).unwrap()];
-    let mut adjusted = 0;
-    for report in b.log.iter().filter(|r| r.tick >= since) {
-        if report.tick == told {
-            outer.watch(true);
-        }
-        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
-            outer.handle(*event).unwrap();
-        }
-        let displacement_m = calibration.displacement.quantity(report.step.displacement);
-        let force_n = calibration.force.quantity(report.step.force);
-        let mut sample = Sample::new([displacement_m], [force_n]);
-        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
-        let record = outer.step(&sample, &ground).record;
-        assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
-        adjusted += u32::from(record.flags & flag::ADJUSTED != 0);
-        in_place.judge(&mut outer, |blocks, orders| {
-            judge(watch.iter_mut(), blocks, orders)
-        });
-    }
+    let [_, adjusted] = worked_out_again(&b, &instructions, &sways, [since, told], &events);
     assert!(adjusted > 1000, "{adjusted} steps were corrected");
 }
 
