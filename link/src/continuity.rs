@@ -31,7 +31,7 @@ impl Continuity {
     }
 }
 
-/// Follows the control ticks of the telemetry: every step, none twice.
+/// Follows the control ticks of the telemetry: every step, none twice. They begin at 0 with the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ticks {
     next: Option<u32>,
@@ -49,11 +49,13 @@ impl Ticks {
         }
     }
 
-    /// Takes in the tick of a step; returns how many steps are missing before it.
-    pub fn take(&mut self, tick: u32) -> u32 {
+    /// Takes in the tick of a step; returns how many steps are missing before it, or `None` where ticks have gone back: the
+    /// board has started again.
+    pub fn take(&mut self, tick: u32) -> Option<u32> {
         let missing = self.next.map_or(0, |next| tick.wrapping_sub(next));
+        let missing = (missing < u32::MAX / 2).then_some(missing);
         self.next = Some(tick.wrapping_add(1));
-        self.lost += u64::from(missing);
+        self.lost += u64::from(missing.unwrap_or(0));
         self.received += 1;
         missing
     }
@@ -85,7 +87,15 @@ mod tests {
     fn steps_are_counted_by_their_ticks() {
         let mut t = Ticks::new();
         let missing = [u32::MAX, 0, 1, 10].map(|s| t.take(s));
-        assert_eq!(missing, [0, 0, 0, 8]);
+        assert_eq!(missing, [Some(0), Some(0), Some(0), Some(8)]);
         assert_eq!((t.received(), t.lost()), (4, 8));
+    }
+
+    #[test]
+    fn a_board_that_starts_again_has_lost_no_steps() {
+        let mut t = Ticks::new();
+        let missing = [70_000, 70_001, 3, 4].map(|s| t.take(s));
+        assert_eq!(missing, [Some(0), Some(0), None, Some(0)]);
+        assert_eq!((t.received(), t.lost()), (4, 0));
     }
 }

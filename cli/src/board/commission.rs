@@ -4,7 +4,7 @@ use super::connection::Connection;
 use super::cross_readings::CrossReadings;
 use super::limits::PlannedMotion;
 use super::operator::Operator;
-use super::orders::{clear, done, event, status};
+use super::orders::{clear, done, event, started_again, status};
 use super::port::Port;
 use super::setup::ready;
 use super::standing::Standing;
@@ -15,6 +15,7 @@ use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::trace::TestObserver;
 use link::Command;
+use link::continuity::Ticks;
 use link::limits::CalibratedRange;
 use link::reply::Identity;
 use link::telemetry::StepReport;
@@ -62,6 +63,7 @@ pub fn commission<P: Port>(
         rate_hz,
         readings: CrossReadings::new(&identity, actuator, rate_hz, shown.frozen_m),
         identity,
+        ticks: Ticks::new(),
     };
     alone.arm(board, operator, config.limits.disagree_m.is_some())?;
     alone.wait_for_go(board, operator)?;
@@ -77,16 +79,20 @@ struct SingleActuator {
     rate_hz: f64,
     identity: Identity,
     readings: CrossReadings,
+    ticks: Ticks,
 }
 
 impl SingleActuator {
-    /// The next step, if one has come.
+    /// The next step, if one has come, of a board that has not started again.
     fn step<P: Port>(
         &mut self,
         board: &mut Connection<P>,
     ) -> Result<Option<(u32, StepReport)>, Failure> {
         let step = board.step()?;
-        if let Some((_, step)) = &step {
+        if let Some((tick, step)) = &step {
+            if self.ticks.take(*tick).is_none() {
+                return Err(started_again(board));
+            }
             self.readings.look_for_rails(&self.identity, step);
         }
         Ok(step)

@@ -4,7 +4,7 @@
 use super::connection::Connection;
 use super::mirror::Mirror;
 use super::operator::Operator;
-use super::orders::{clear, done, event, status};
+use super::orders::{clear, done, event, started_again, status};
 use super::port::Port;
 use super::standing::Standing;
 use crate::terminal::interrupt;
@@ -14,6 +14,7 @@ use experiment::failure::Failure;
 use experiment::trace::TestObserver;
 use link::Command;
 use link::MAX_ACTUATORS;
+use link::continuity::Ticks;
 use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
@@ -34,6 +35,7 @@ pub struct ConfiguredTest<'a, const N: usize> {
     command_m: f32,
     /// Steps seen since the test is in force.
     steps: u64,
+    ticks: Ticks,
     /// Steps lost, by the connection's count, before the test was in force.
     lost_before: u64,
     /// What the board records beside, while the test runs.
@@ -59,6 +61,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
             state: Mode::Idle,
             command_m: f32::NAN,
             steps: 0,
+            ticks: Ticks::new(),
         }
     }
 
@@ -141,22 +144,30 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     fn pass<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(u32, StepReport), Failure> {
         loop {
             if let Some((tick, step)) = board.step()?
-                && self.note(tick, &step)
+                && self.note(board, tick, &step)?
             {
                 return Ok((tick, step));
             }
         }
     }
 
-    /// True if a step that has come is of the test that is in force.
-    fn note(&mut self, tick: u32, step: &StepReport) -> bool {
+    /// True if a step that has come is of the test that is in force, which no board has that has started again.
+    fn note<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        tick: u32,
+        step: &StepReport,
+    ) -> Result<bool, Failure> {
+        if self.ticks.take(tick).is_none() {
+            return Err(started_again(board));
+        }
         let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
         if ours {
             self.state = step.mode().unwrap_or(self.state);
             self.command_m = step.command_m;
             self.steps += 1;
         }
-        ours
+        Ok(ours)
     }
 
     /// Works out the record of the step before this one, and looks at what else the board recorded in it.
@@ -181,7 +192,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     /// The next step of the test that is in force, and the record of the one before it.
     ///
     /// # Errors
-    /// A link that is gone.
+    /// A link that is gone; a board that has started again.
     pub fn next<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -193,11 +204,11 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     /// The records of the steps that have come by now; waits some milliseconds where none has.
     ///
     /// # Errors
-    /// A link that is gone.
+    /// As [`ConfiguredTest::next`].
     pub fn come<P: Port>(&mut self, board: &mut Connection<P>) -> Result<Vec<Record<N>>, Failure> {
         let mut records = Vec::new();
         for (tick, step) in board.steps()? {
-            if self.note(tick, &step) {
+            if self.note(board, tick, &step)? {
                 records.extend(self.take(tick, step));
             }
         }

@@ -2,6 +2,7 @@
 
 use super::connection::Connection;
 use super::port::Port;
+use super::wording::describe_start;
 
 use experiment::failure::Failure;
 use link::command::Channel;
@@ -37,6 +38,14 @@ pub fn status<P: Port>(board: &mut Connection<P>) -> Result<Status, Failure> {
         Reply::Status(status) => Ok(status),
         other => Err(refused("status", other)),
     }
+}
+
+/// That the board has started again while something ran on it, and why.
+pub fn started_again<P: Port>(board: &mut Connection<P>) -> Failure {
+    let why = status(board).map_or_else(|e| e.to_string(), |now| describe_start(&now));
+    Failure::test(format!(
+        "the board has started again, and what ran on it is over: {why}"
+    ))
 }
 
 /// Clears the end of a test or a fault, so that the board is idle.

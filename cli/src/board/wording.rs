@@ -27,6 +27,20 @@ pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Optio
     ))
 }
 
+/// Why the board last started.
+pub fn describe_start(status: &Status) -> String {
+    let words = describe_words(status.started, status.last_crash.as_ref());
+    words.unwrap_or_else(|| {
+        let why = match status.started {
+            StartCause::Power => "its power had been away",
+            StartCause::BrownOut => "its supply had been too low",
+            StartCause::Pin => "its reset pin was pulled",
+            StartCause::Software | StartCause::Watchdog => "its program asked for it",
+        };
+        why.into()
+    })
+}
+
 /// Everything that is worth watching, a line each.
 pub fn describe(identity: &Identity, status: &Status) -> String {
     let us = |cycles: u32| f64::from(cycles) / f64::from(identity.clock_hz) * 1e6;

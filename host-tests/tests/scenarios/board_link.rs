@@ -125,6 +125,51 @@ fn a_cut_link_keeps_what_was_received_and_says_so() {
     );
 }
 
+/// Its power goes and comes, at this step.
+fn without_power_at(t: &TestFile, step: u64) -> (u64, FaultInjection) {
+    let t = t.clone();
+    (step, Box::new(move |b| *b = loopback(&t)))
+}
+
+#[test]
+fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    board.mishaps.push_back(without_power_at(&t, 9000));
+    let run = run_on(&t, board).unwrap();
+    let (summary, trace) = (run.summary, run.trace.unwrap());
+    assert_eq!(summary.trip, Some("link_lost"));
+    assert!((3000..9000).contains(&trace.len()), "{}", trace.len());
+    let board = summary.board.as_ref().unwrap();
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    let said = board.sentence();
+    let why = "the board has started again, and what ran on it is over: its power had been away";
+    assert!(said.contains(why), "{said}");
+    // What ends there is the test, and not the time before it.
+    let ended_s = trace.len() as f64 / 2000.0;
+    let told = format!("Tripped on link_lost after {ended_s:.2} s of the laboratory.");
+    assert!(summary.sentence().contains(&told), "{}", summary.sentence());
+}
+
+#[test]
+fn a_board_that_starts_again_in_a_signal_ends_it() {
+    let t = test(&["plant.actuator.delay_ms=1"]);
+    let mut board = loopback(&t);
+    board.mishaps.push_back(without_power_at(&t, 3000));
+    let signal = CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Chirp {
+            from_hz: 0.5,
+            to_hz: 10.0,
+        },
+        amplitude_m: 0.01,
+        seconds: 10.0,
+    };
+    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(signal));
+    let early = played.early.expect("a signal that was ended");
+    assert!(early.contains("has started again"), "{early}");
+}
+
 #[test]
 fn lost_steps_are_counted_and_the_rest_is_kept() {
     let t = test(&[]);
@@ -271,9 +316,17 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
 }
 
 /// A trajectory is played to its end by an actuator, with nobody at the board.
-fn play(connection: &mut Connection<Loopback>, t: &TestFile, trajectory: &Trajectory) -> Played {
+fn play_to_an_end(
+    connection: &mut Connection<Loopback>,
+    t: &TestFile,
+    trajectory: &Trajectory,
+) -> Played {
     let nobody = Operator::not_asked();
-    let played = board::commission(connection, t, (trajectory, 0), &nobody, &mut ()).unwrap();
+    board::commission(connection, t, (trajectory, 0), &nobody, &mut ()).unwrap()
+}
+
+fn play(connection: &mut Connection<Loopback>, t: &TestFile, trajectory: &Trajectory) -> Played {
+    let played = play_to_an_end(connection, t, trajectory);
     assert_eq!(played.early, None);
     played
 }
