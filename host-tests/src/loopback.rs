@@ -75,6 +75,10 @@ pub struct Loopback<const A: usize = 1> {
     pub drop_frames: usize,
     /// The wire is cut: nothing comes and nothing goes.
     pub cut: bool,
+    /// What the PC writes is lost on its way.
+    pub is_deaf: bool,
+    /// What comes from the board is noise.
+    pub is_noisy: bool,
     /// What happens, and at which step, in this order.
     pub mishaps: VecDeque<(u64, FaultInjection<A>)>,
 }
@@ -101,6 +105,8 @@ impl<const A: usize> Loopback<A> {
             steps: 0,
             drop_frames: 0,
             cut: false,
+            is_deaf: false,
+            is_noisy: false,
             mishaps: VecDeque::new(),
         }
     }
@@ -173,6 +179,9 @@ impl<const A: usize> Port for Loopback<A> {
             self.out.clear();
             return Err(io::Error::other("the wire is cut"));
         }
+        if self.is_noisy {
+            self.out.iter_mut().for_each(|byte| *byte = 0x55);
+        }
         let count = bytes.len().min(self.out.len());
         for (place, byte) in bytes.iter_mut().zip(self.out.drain(..count)) {
             *place = byte;
@@ -183,6 +192,9 @@ impl<const A: usize> Port for Loopback<A> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         if self.cut {
             return Err(io::Error::other("the wire is cut"));
+        }
+        if self.is_deaf {
+            return Ok(());
         }
         for &byte in bytes {
             let Some(frame) = self.decoder.push(byte) else {

@@ -31,6 +31,9 @@ impl Continuity {
     }
 }
 
+/// So many steps are not lost on a link that is still there: minutes of them.
+const MOST_MISSING: u32 = 1 << 20;
+
 /// Follows the control ticks of the telemetry: every step, none twice. They begin at 0 with the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ticks {
@@ -49,11 +52,11 @@ impl Ticks {
         }
     }
 
-    /// Takes in the tick of a step; returns how many steps are missing before it, or `None` where ticks have gone back: the
+    /// Takes in the tick of a step; returns how many steps are missing before it, or `None` where it is none that follows: the
     /// board has started again.
     pub fn take(&mut self, tick: u32) -> Option<u32> {
         let missing = self.next.map_or(0, |next| tick.wrapping_sub(next));
-        let missing = (missing < u32::MAX / 2).then_some(missing);
+        let missing = (missing < MOST_MISSING).then_some(missing);
         self.next = Some(tick.wrapping_add(1));
         self.lost += u64::from(missing.unwrap_or(0));
         self.received += 1;
@@ -93,9 +96,12 @@ mod tests {
 
     #[test]
     fn a_board_that_starts_again_has_lost_no_steps() {
-        let mut t = Ticks::new();
-        let missing = [70_000, 70_001, 3, 4].map(|s| t.take(s));
-        assert_eq!(missing, [Some(0), Some(0), None, Some(0)]);
-        assert_eq!((t.received(), t.lost()), (4, 0));
+        // Also one that has been on for two weeks.
+        for before in [70_000, 3_000_000_000] {
+            let mut t = Ticks::new();
+            let missing = [before, before + 1, 3, 4].map(|s| t.take(s));
+            assert_eq!(missing, [Some(0), Some(0), None, Some(0)]);
+            assert_eq!((t.received(), t.lost()), (4, 0));
+        }
     }
 }

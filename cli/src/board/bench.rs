@@ -6,7 +6,7 @@ use super::connection::Connection;
 use super::limits::PlannedMotion;
 use super::mirror::Mirror;
 use super::operator::Operator;
-use super::orders::{clear, done, status};
+use super::orders::{done, event, status};
 use super::port::Port;
 use super::setup::ready;
 use super::trajectory::Trajectory;
@@ -197,36 +197,48 @@ struct Test<'a, 'b, P, const N: usize> {
 impl<P: Port, const N: usize> Test<'_, '_, P, N> {
     fn run(mut self, observer: &mut dyn TestObserver, began: Instant) -> Result<Ending, Failure> {
         let (ended, lost) = loop {
-            // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
-            let interrupted = interrupt::asked();
-            match self.in_force.next(self.board) {
-                Ok(record) => self.see(record, observer),
-                Err(failure) => break (Mode::Tripped, Some(failure.to_string())),
+            match self.go_on(observer) {
+                Ok(None) => {}
+                Ok(Some(ended)) => break (ended, None),
+                Err(failure) => {
+                    // What came is kept. Perhaps the board hears what the PC says, though the PC does not hear the board.
+                    let _ = event(self.board, Event::Stop);
+                    break (Mode::Tripped, Some(failure.to_string()));
+                }
             }
-            let asked = observer.requested_event();
-            // Before the next step: what is asked for may have to be in force in it.
-            self.in_force.be_judged(observer);
-            match asked {
-                Some(Event::Stop) => self.end(Event::Stop)?,
-                Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked)?,
-                _ => {}
-            }
-            // The record on the board is at most some steps longer than the test.
-            if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
-                self.end(Event::Finish)?;
-            }
-            let state = self.in_force.mode();
-            if matches!(state, Mode::Finished | Mode::Tripped) {
-                break (state, None);
-            }
-            if interrupted {
-                self.end(Event::Stop)?;
-            }
-            self.hold_or_go_on(state)?;
         };
         let last = self.in_force.last();
         self.see(last, observer);
-        self.ending(ended, lost, began.elapsed().as_secs_f64())
+        Ok(self.ending(ended, lost, began.elapsed().as_secs_f64()))
+    }
+
+    /// One step, and what somebody asks for in it; how the board has ended, if it has.
+    fn go_on(&mut self, observer: &mut dyn TestObserver) -> Result<Option<Mode>, Failure> {
+        // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
+        let interrupted = interrupt::asked();
+        let record = self.in_force.next(self.board)?;
+        self.see(record, observer);
+        let asked = observer.requested_event();
+        // Before the next step: what is asked for may have to be in force in it.
+        self.in_force.be_judged(observer);
+        match asked {
+            Some(Event::Stop) => self.end(Event::Stop)?,
+            Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked)?,
+            _ => {}
+        }
+        // The record on the board is at most some steps longer than the test.
+        if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
+            self.end(Event::Finish)?;
+        }
+        let state = self.in_force.mode();
+        if matches!(state, Mode::Finished | Mode::Tripped) {
+            return Ok(Some(state));
+        }
+        if interrupted {
+            self.end(Event::Stop)?;
+        }
+        self.hold_or_go_on(state)?;
+        Ok(None)
     }
 
     /// Shows the observer a record, if one came.
@@ -262,42 +274,50 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             (Phase::Held, false) => self.phase = Phase::Running,
             (Phase::Running, true) => {
                 self.phase = Phase::Held;
-                self.operator
-                    .ask("the test is held: Enter goes on, Ctrl-C stops");
+                self.operator.ask_to_go_on();
             }
         }
         let held = matches!(self.phase, Phase::Held);
-        if held && self.operator.is_asked() && self.operator.agrees() {
-            self.in_force.send(self.board, Event::Start)?;
+        if held && self.operator.is_asked() && self.operator.agrees()? {
+            self.in_force.ask_for(self.board, Event::Start)?;
         }
         Ok(())
     }
 
-    /// What the board says of a test that has ended; `lost`: why the link to it was.
-    fn ending(mut self, ended: Mode, lost: Option<String>, wall_s: f64) -> Result<Ending, Failure> {
-        let board_status = match &lost {
-            None => Some(status(self.board)?),
-            Some(_) => None,
-        };
-        let trip = match (&board_status, ended) {
-            (Some(status), Mode::Tripped) => status.trip,
-            (None, _) => Some(Trip {
-                fault: Fault::LinkLost,
-                axis: 0,
-                value: f32::NAN,
-                limit: f32::NAN,
-                tick: 0,
-            }),
-            _ => None,
-        };
-        if ended == Mode::Finished {
-            self.in_force.wait_for_rest(self.board)?;
-            clear(self.board)?;
+    /// What the board says of a test that has ended; `lost`: why what it does is not known any more. Whatever is not, is said, and the
+    /// test that was seen is kept.
+    fn ending(mut self, mut ended: Mode, mut lost: Option<String>, wall_s: f64) -> Ending {
+        let mut board_status = None;
+        if lost.is_none() {
+            match status(self.board) {
+                Ok(status) => board_status = Some(status),
+                Err(failure) => lost = Some(failure.to_string()),
+            }
         }
+        if ended == Mode::Finished && lost.is_none() {
+            match self.in_force.come_to_rest(self.board) {
+                // A trip on the ramp.
+                Ok(()) if self.in_force.mode() == Mode::Tripped => {
+                    ended = Mode::Tripped;
+                    board_status = status(self.board).ok().or(board_status);
+                }
+                Ok(()) => {}
+                Err(failure) => lost = Some(failure.to_string()),
+            }
+        }
+        let told = board_status.as_ref().and_then(|status| status.trip);
+        let seen = || Trip {
+            fault: self.in_force.fault().unwrap_or(Fault::LinkLost),
+            axis: 0,
+            value: f32::NAN,
+            limit: f32::NAN,
+            tick: 0,
+        };
+        let trip = (ended == Mode::Tripped).then(|| told.unwrap_or_else(seen));
         let by_hand = matches!(self.phase, Phase::Ending { by_hand: true });
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
-        Ok(Ending {
+        Ending {
             state: ended,
             trip,
             by_hand: by_hand && self.steps.done < self.wanted,
@@ -307,6 +327,6 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                     .account(board, self.identity, board_status, lost, fault),
             ),
             actuators: None,
-        })
+        }
     }
 }

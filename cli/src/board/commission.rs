@@ -27,6 +27,13 @@ const REST_STEPS: u32 = 40;
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
+/// Steps by which a signal may be shorter than it was to be: its first and its last.
+const SHORT_STEPS: usize = 4;
+
+fn given_up() -> Failure {
+    Failure::test("the signal was given up before anything moved")
+}
+
 /// Moves an actuator, from 0, by a trajectory under the limits of `test`, or those that follow from the trajectory. The board's
 /// other actuators stand at zero, under the same limits.
 ///
@@ -61,6 +68,7 @@ pub fn commission<P: Port>(
     let mut alone = SingleActuator {
         actuator,
         rate_hz,
+        steps: (trajectory.seconds() * rate_hz) as usize,
         readings: CrossReadings::new(&identity, actuator, rate_hz, shown.frozen_m),
         identity,
         ticks: Ticks::new(),
@@ -77,6 +85,8 @@ pub fn commission<P: Port>(
 struct SingleActuator {
     actuator: usize,
     rate_hz: f64,
+    /// Of the signal.
+    steps: usize,
     identity: Identity,
     readings: CrossReadings,
     ticks: Ticks,
@@ -108,6 +118,9 @@ impl SingleActuator {
         board.forget_steps();
         let (mut idle, mut latest) = (0, None);
         while idle < IDLE_STEPS {
+            if interrupt::asked() {
+                return Err(given_up());
+            }
             if let Some((_, step)) = self.step(board)? {
                 (idle, latest) = (idle + 1, Some(step));
             }
@@ -124,9 +137,7 @@ impl SingleActuator {
                 }
             }
             if interrupt::asked() {
-                return Err(Failure::test(
-                    "the signal was given up before anything moved",
-                ));
+                return Err(given_up());
             }
             latest = self.step(board)?.map(|(_, step)| step).or(latest);
         }
@@ -176,10 +187,18 @@ impl SingleActuator {
         operator.ask(&format!(
             "the rig stands at zero, armed: Enter starts the signal{which}; Ctrl-C gives it up"
         ));
-        while !operator.agrees() {
-            if interrupt::asked() {
+        loop {
+            let given_up = match operator.agrees() {
+                Ok(true) => return Ok(()),
+                Ok(false) if interrupt::asked() => {
+                    Some(Failure::test("the signal was given up before its start"))
+                }
+                Ok(false) => None,
+                Err(gone) => Some(gone),
+            };
+            if let Some(why) = given_up {
                 event(board, Event::Stop)?;
-                return Err(Failure::test("the signal was given up before its start"));
+                return Err(why);
             }
             let step = self.step(board)?;
             if step.is_some_and(|(_, s)| s.mode() == Some(Mode::Tripped)) {
@@ -189,27 +208,27 @@ impl SingleActuator {
                 )));
             }
         }
-        Ok(())
     }
 
-    /// The signal, from its start until the board is idle again, or stands tripped.
+    /// The signal, from its start until the board is idle again, or stands tripped. Whatever ends it, what came is kept.
     fn play<P: Port>(
         &mut self,
         board: &mut Connection<P>,
         observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
         event(board, Event::Start)?;
-        let mut stopped = false;
+        let (mut stopped, mut steps) = (false, 0);
         let mut played = Played::new();
         let mut begin = None;
-        let early = loop {
+        let (early, finished) = loop {
             if interrupt::asked() && !std::mem::replace(&mut stopped, true) {
-                event(board, Event::Stop)?;
+                // Refused only by a board that has ended the signal by itself, and the telemetry says how.
+                let _ = event(board, Event::Stop);
             }
             let (tick, step) = match self.step(board) {
                 Ok(Some(step)) => step,
                 Ok(None) => continue,
-                Err(lost) => break Some(lost.to_string()),
+                Err(lost) => break (Some(lost.to_string()), false),
             };
             let record = self.record(tick, &step);
             observer.on_step(&(&record).into());
@@ -220,23 +239,76 @@ impl SingleActuator {
             match step.mode() {
                 Some(Mode::Commissioning) => {
                     let begin = *begin.get_or_insert(tick);
+                    steps = tick.wrapping_sub(begin) as usize + 1;
                     let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
                     let ([displacement_m], [force_n]) = (record.displacement_m, record.force_n);
                     played.add_at(time_s, step.command_m, displacement_m, force_n);
                     self.readings.add_step(&self.identity, &step);
                 }
-                Some(Mode::Finished) => break stopped.then(|| Played::BY_HAND.to_owned()),
-                Some(Mode::Tripped) => {
-                    let reason = self.reason(status(board)?.trip);
-                    break Some(format!("the board tripped: {reason}"));
+                Some(Mode::Finished) => {
+                    let by_hand = stopped.then(|| Played::BY_HAND.to_owned());
+                    break (by_hand.or_else(|| self.cut_short(steps)), true);
                 }
+                Some(Mode::Tripped) => break (Some(self.tripped(board, step.fault())), false),
                 _ => {}
             }
         };
-        if early.is_none() || stopped {
-            come_to_rest(board)?;
+        let rest = match finished {
+            true => self.come_to_rest(board),
+            false => Ok(None),
+        };
+        let rest = rest.unwrap_or_else(|failure| Some(failure.to_string()));
+        Ok(Played {
+            early: rest.or(early),
+            ..played
+        })
+    }
+
+    /// That the signal has fewer steps than it was to have.
+    fn cut_short(&self, steps: usize) -> Option<String> {
+        (steps + SHORT_STEPS < self.steps).then(|| {
+            format!(
+                "it ended after {steps} of {} steps: the board's button ends it",
+                self.steps
+            )
+        })
+    }
+
+    /// Permission goes when the command stands. Why it does not come to that, if it trips on its way.
+    fn come_to_rest<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+    ) -> Result<Option<String>, Failure> {
+        let (mut standing, mut last_m) = (0, f32::NAN);
+        while standing < REST_STEPS {
+            let Some((_, step)) = self.step(board)? else {
+                continue;
+            };
+            match step.mode() {
+                Some(Mode::Finished) => {}
+                // The reason of a trip is told when it stands.
+                Some(Mode::Stopping) => continue,
+                Some(Mode::Tripped) => return Ok(Some(self.tripped(board, step.fault()))),
+                _ => break,
+            }
+            standing = if step.command_m == last_m {
+                standing + 1
+            } else {
+                0
+            };
+            last_m = step.command_m;
         }
-        Ok(Played { early, ..played })
+        clear(board).map(|()| None)
+    }
+
+    /// What a trip is told as; `fault`: what the telemetry says where the board itself is silent.
+    fn tripped<P: Port>(&self, board: &mut Connection<P>, fault: Option<Fault>) -> String {
+        let trip = status(board).ok().and_then(|now| now.trip);
+        let reason = match (trip, fault) {
+            (None, Some(fault)) => fault.name().into(),
+            (trip, _) => self.reason(trip),
+        };
+        format!("the board tripped: {reason}")
     }
 
     /// A step as the record of the actuator that moves.
@@ -273,24 +345,4 @@ impl SingleActuator {
             _ => name.into(),
         }
     }
-}
-
-/// Permission goes when the command stands.
-fn come_to_rest<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
-    let (mut standing, mut last_m) = (0, f32::NAN);
-    while standing < REST_STEPS {
-        let Some((_, step)) = board.step()? else {
-            continue;
-        };
-        if step.mode() != Some(Mode::Finished) {
-            break;
-        }
-        standing = if step.command_m == last_m {
-            standing + 1
-        } else {
-            0
-        };
-        last_m = step.command_m;
-    }
-    clear(board)
 }

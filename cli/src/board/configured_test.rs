@@ -24,8 +24,9 @@ use outerloop_core::{Event, Fault, Mode, Record};
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
 
-/// Steps for which the command has to stand after the end.
+/// Steps for which the commands have to stand after the end, and where the PC knows the first alone: as long as a ramp.
 const REST_STEPS: u32 = 40;
+const UNSEEN_REST_STEPS: u32 = 2000;
 
 /// A test from its configuration to its end.
 pub struct ConfiguredTest<'a, const N: usize> {
@@ -33,6 +34,8 @@ pub struct ConfiguredTest<'a, const N: usize> {
     since: u32,
     state: Mode,
     command_m: f32,
+    /// What the board says that it has tripped on.
+    fault: Option<Fault>,
     /// Steps seen since the test is in force.
     steps: u64,
     ticks: Ticks,
@@ -60,6 +63,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
             since,
             state: Mode::Idle,
             command_m: f32::NAN,
+            fault: None,
             steps: 0,
             ticks: Ticks::new(),
         }
@@ -68,6 +72,11 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     /// What the loop was doing in the last step.
     pub fn mode(&self) -> Mode {
         self.state
+    }
+
+    /// What the board has tripped on, by its telemetry.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
     }
 
     /// The loop on the PC.
@@ -126,7 +135,8 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         Ok(())
     }
 
-    /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse.
+    /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse, and one that its
+    /// button has held stops.
     ///
     /// # Errors
     /// As [`ConfiguredTest::send`].
@@ -134,20 +144,10 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         match self.send(board, by) {
             Err(refused) => match status(board)?.state {
                 Mode::Finished | Mode::Stopping | Mode::Tripped => Ok(()),
+                Mode::Holding if by == Event::Finish => self.end(board, Event::Stop),
                 _ => Err(refused),
             },
             sent => sent,
-        }
-    }
-
-    /// The next step of the test that is in force, without looking at what is in it.
-    fn pass<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(u32, StepReport), Failure> {
-        loop {
-            if let Some((tick, step)) = board.step()?
-                && self.note(board, tick, &step)?
-            {
-                return Ok((tick, step));
-            }
         }
     }
 
@@ -165,6 +165,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         if ours {
             self.state = step.mode().unwrap_or(self.state);
             self.command_m = step.command_m;
+            self.fault = step.fault();
             self.steps += 1;
         }
         Ok(ours)
@@ -189,7 +190,8 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         }
     }
 
-    /// The next step of the test that is in force, and the record of the one before it.
+    /// The next step of the test that is in force, and the record of the one before it; nothing where no step has come for some
+    /// milliseconds.
     ///
     /// # Errors
     /// A link that is gone; a board that has started again.
@@ -197,8 +199,12 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         &mut self,
         board: &mut Connection<P>,
     ) -> Result<Option<Record<N>>, Failure> {
-        let (tick, step) = self.pass(board)?;
-        Ok(self.take(tick, step))
+        while let Some((tick, step)) = board.step()? {
+            if self.note(board, tick, &step)? {
+                return Ok(self.take(tick, step));
+            }
+        }
+        Ok(None)
     }
 
     /// The records of the steps that have come by now; waits some milliseconds where none has.
@@ -294,11 +300,23 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     ) -> Result<(), Failure> {
         operator
             .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
-        while !operator.agrees() {
-            if interrupt::asked() {
+        loop {
+            let given_up = match operator.agrees() {
+                Ok(true) => return Ok(()),
+                Ok(false) if interrupt::asked() => {
+                    Some(Failure::test("the test was given up before its start"))
+                }
+                Ok(false) if !self.mirror.is_in_step() => Some(Failure::test(
+                    "steps were lost between the board and the PC before the start, and what runs could not be worked out again: \
+                     the test was given up; accepted is a PC that keeps up with the board, not one that sleeps",
+                )),
+                Ok(false) => None,
+                Err(gone) => Some(gone),
+            };
+            if let Some(why) = given_up {
                 self.send(board, Event::Stop)?;
                 self.until_still(board)?;
-                return Err(Failure::test("the test was given up before its start"));
+                return Err(why);
             }
             self.next(board)?;
             if self.state == Mode::Tripped {
@@ -308,23 +326,31 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
                 )));
             }
         }
-        Ok(())
     }
 
-    /// Until the command stands: the test has ended, and the deceleration ramp with it. Only then may permission go.
+    /// From the end of a test until every command stands: the deceleration ramp is over, and permission may go. A finished board is
+    /// idle then; one that has tripped on its way stands tripped, for somebody to look.
     ///
     /// # Errors
-    /// A link that is gone.
-    pub fn wait_for_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
-        let (mut standing, mut last_m) = (0, f32::NAN);
-        while standing < REST_STEPS && self.state == Mode::Finished {
-            self.pass(board)?;
-            standing = if self.command_m == last_m {
-                standing + 1
+    /// As [`ConfiguredTest::next`]; a board that cannot be cleared.
+    pub fn come_to_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        let (mut standing, mut last_m) = (0, [f32::NAN; N]);
+        while matches!(self.state, Mode::Finished | Mode::Stopping) {
+            let steps = if self.mirror.is_in_step() {
+                REST_STEPS
             } else {
-                0
+                UNSEEN_REST_STEPS
             };
-            last_m = self.command_m;
+            if self.state == Mode::Finished && standing >= steps {
+                return clear(board);
+            }
+            let Some(record) = self.next(board)? else {
+                continue;
+            };
+            // What is not known of a step that was lost does not move.
+            let known_m = record.command_m.map(|m| if m.is_nan() { 0.0 } else { m });
+            standing = if known_m == last_m { standing + 1 } else { 0 };
+            last_m = known_m;
         }
         Ok(())
     }
@@ -337,14 +363,11 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         while !matches!(self.state, Mode::Idle | Mode::Finished | Mode::Tripped) {
             self.next(board)?;
         }
-        if self.state == Mode::Finished {
-            self.wait_for_rest(board)?;
-            clear(board)?;
-        }
-        Ok(())
+        self.come_to_rest(board)
     }
 
-    /// An event that an observer asks for. If the board refuses it by now, it does not happen, and nothing is lost.
+    /// An event that somebody asks for. If it means nothing any more to a board whose telemetry comes some steps late, it does not
+    /// happen, and nothing is lost.
     ///
     /// # Errors
     /// As [`ConfiguredTest::send`], where the event means something now.
@@ -354,7 +377,10 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         event: Event,
     ) -> Result<(), Failure> {
         match self.send(board, event) {
-            Err(_) if self.state.after(event).is_err() => Ok(()),
+            Err(refused) => match status(board)?.state.after(event) {
+                Err(_) => Ok(()),
+                Ok(_) => Err(refused),
+            },
             sent => sent,
         }
     }

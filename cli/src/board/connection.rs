@@ -8,7 +8,6 @@ use link::message::Message;
 use link::reply::{NumberedReply, Reply};
 use link::telemetry::StepReport;
 use link::{Command, Telemetry, VERSION};
-use outerloop_core::Event;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -26,9 +25,9 @@ const ATTEMPTS: u32 = 4;
 pub struct Timeouts {
     /// For the answer to a command, before it is sent again.
     pub answer: Duration,
-    /// For the answer to an order that stops or holds, before it is sent again.
+    /// For the answer to what moves or stops the rig, before it is sent again: the board gives the PC up after 0.5 s.
     pub stop: Duration,
-    /// For any byte at all, before the link counts as lost.
+    /// For any frame at all, before the link counts as lost.
     pub silence: Duration,
 }
 
@@ -94,9 +93,9 @@ impl<P: Port> Connection<P> {
         })?;
         let urgent = matches!(
             command,
-            Command::Event(Event::Stop | Event::Hold | Event::Finish | Event::Fault)
+            Command::Event(_) | Command::Target(_) | Command::Status
         );
-        // What stops is repeated soon; in all it is given as long as any other.
+        // It is repeated soon, under its one number; in all it is given as long as any other.
         let timeout = if urgent {
             self.timeouts.stop
         } else {
@@ -196,11 +195,9 @@ impl<P: Port> Connection<P> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
         let silent = self.port.now().saturating_sub(self.heard);
-        if count > 0 {
-            self.heard = self.port.now();
-        } else if silent > self.timeouts.silence * ATTEMPTS {
+        if silent > self.timeouts.silence * ATTEMPTS {
             return Err(Failure::test(format!(
-                "the link to the board is lost: nothing came for {:.0} s",
+                "the link to the board is lost: nothing that can be read came for {:.0} s",
                 silent.as_secs_f64()
             )));
         }
@@ -208,6 +205,8 @@ impl<P: Port> Connection<P> {
             let Some(frame) = self.decoder.push(byte) else {
                 continue;
             };
+            // Noise on a line that is open is nobody.
+            self.heard = self.port.now();
             self.frames.take(frame.sequence);
             match frame.kind {
                 FrameKind::Telemetry => {

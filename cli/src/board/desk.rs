@@ -7,6 +7,7 @@ use super::operator::Operator;
 use super::orders::{calibrate, clear, done, event, identify, save, status};
 use super::setup::ready;
 use super::upload::load;
+use crate::terminal::interrupt;
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
@@ -61,6 +62,9 @@ const SAVES: u32 = 130;
 
 /// A board that says nothing of a reset for so many steps has not been reset: half a minute, for a person to find the button.
 const RESET_STEPS: u32 = 60_000;
+
+/// Within so many looks at the telemetry, some milliseconds each, a test of the desk stands at its start, and runs.
+const REACHED_STEPS: u32 = 10_000;
 
 /// Within so many steps a test that is stopped has ended.
 const STOPPED_STEPS: u32 = 8000;
@@ -382,8 +386,8 @@ pub fn forget(board: &mut BoardConnection) -> DeskRow {
 /// After something that was not as it has to be: a test that runs stops, and the calibration goes.
 fn give_up(board: &mut BoardConnection) {
     // Where the board does not do this either, the row says already that it is not as it has to be.
-    let stopped = event(board, Event::Stop).and_then(|_| pass(board, STOPPED_STEPS));
-    let _ = stopped.and_then(|()| clear(board));
+    let _ = event(board, Event::Stop).and_then(|_| pass(board, STOPPED_STEPS));
+    let _ = clear(board);
     forget(board);
 }
 
@@ -461,7 +465,10 @@ fn run_until_moving(board: &mut BoardConnection) -> Result<(), Failure> {
 }
 
 fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Result<(), Failure> {
-    loop {
+    for _ in 0..REACHED_STEPS {
+        if interrupt::asked() {
+            return Err(Failure::test("given up"));
+        }
         for (_, step) in board.steps()? {
             match step.mode() {
                 Some(Mode::Tripped) => {
@@ -472,6 +479,9 @@ fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Re
             }
         }
     }
+    Err(Failure::test(
+        "the test of the desk did not start: the board's button has ended it, or the board has started again",
+    ))
 }
 
 /// Until the steps count from zero again.

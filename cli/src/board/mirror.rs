@@ -289,14 +289,17 @@ impl<'a, const N: usize> Mirror<'a, N> {
         }
     }
 
-    /// What the telemetry itself says of a step.
+    /// What the telemetry itself says of a step: the first actuator's command, and of no other; readings as they are.
     fn as_reported(&self, tick: u32, report: &StepReport) -> Record<N> {
         let mut record = Record::<N>::EMPTY;
         record.tick = tick.wrapping_sub(self.ahead);
         record.step = self.steps;
         record.flags = report.flags;
+        record.command_m = [f32::NAN; N];
         record.command_m[0] = report.command_m;
         (record.displacement_m, record.force_n) = self.read(report);
+        record.estimated_displacement_m = record.displacement_m;
+        record.estimated_force_n = record.force_n;
         record.added_damping_n_s_per_m[0] = report.added_damping_n_s_per_m;
         record.energy_sum.modified_j = report.energy_j;
         record

@@ -76,11 +76,30 @@ impl Operator {
         }
     }
 
-    /// The person has pressed Enter, and typed nothing, since the question; or nobody is asked.
-    pub fn agrees(&self) -> bool {
+    /// Says that the board's button holds the test, and asks whoever can be asked.
+    pub fn ask_to_go_on(&self) {
         match &self.0 {
-            Asked::Person(lines) => line(lines).is_ok_and(|typed| is_enter(&typed)),
-            Asked::Nobody | Asked::Script(..) => true,
+            Asked::Person(_) => self.ask("the test is held: Enter goes on, Ctrl-C stops"),
+            Asked::Nobody | Asked::Script(..) => {
+                eprintln!("outerloop: the test is held, and nobody is asked: Ctrl-C stops");
+            }
+        }
+    }
+
+    /// The person has pressed Enter, and typed nothing, since the question; or nobody is asked.
+    ///
+    /// # Errors
+    /// A keyboard that is gone.
+    pub fn agrees(&self) -> Result<bool, Failure> {
+        let Asked::Person(lines) = &self.0 else {
+            return Ok(true);
+        };
+        match line(lines) {
+            Ok(typed) => Ok(is_enter(&typed)),
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(TryRecvError::Disconnected) => Err(Failure::test(
+                "the keyboard is gone, so that nobody says that the test may go on: it was stopped",
+            )),
         }
     }
 

@@ -77,6 +77,14 @@ impl Trajectory {
         all.into_iter().find_map(passed).map_or(Ok(()), Err)
     }
 
+    /// How long it is, s.
+    pub(super) fn seconds(&self) -> f64 {
+        match self {
+            Self::Formula(signal) => f64::from(signal.seconds),
+            Self::Points(points) => points.seconds(),
+        }
+    }
+
     /// Sends it to a board, which moves `actuator`, from 0, by it with the next start.
     pub(super) fn send<P: Port>(
         &self,

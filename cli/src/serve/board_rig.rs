@@ -184,12 +184,15 @@ impl<const N: usize> BoardRig<N> {
         };
         let holds = test.in_force.mode() == Mode::Holding;
         if holds && !std::mem::replace(&mut test.held, holds) {
-            self.operator
-                .ask("the test is held: Enter goes on, Ctrl-C stops");
+            self.operator.ask_to_go_on();
         }
         test.held = holds;
-        if holds && self.operator.is_asked() && self.operator.agrees() {
-            self.with(|board, test| test.in_force.send(board, Event::Start))?;
+        if holds && self.operator.is_asked() {
+            let agreed = self.operator.agrees();
+            self.with(|board, test| match agreed? {
+                true => test.in_force.ask_for(board, Event::Start),
+                false => Ok(()),
+            })?;
         }
         Ok(())
     }
@@ -302,16 +305,18 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
             // Nothing was begun, or not to its end.
             return self.bring_to_idle();
         };
-        let ended = match &test.lost {
-            // The board gives up a PC that it does not hear: PERMIT is low half a second later.
-            Some(why) => Err(Failure::test(why.clone())),
-            None => self.finish(&mut test),
+        // Also where it was lost: it may hear the PC. A PC that it does not hear it gives up, and PERMIT is low half a second later.
+        let finished = self.finish(&mut test);
+        let board_status = match &finished {
+            Ok(()) => status(&mut self.board).ok(),
+            Err(_) => None,
         };
-        let board_status = ended
-            .as_ref()
-            .ok()
-            .and_then(|()| status(&mut self.board).ok());
-        self.permit = board_status.as_ref().is_some_and(|v| v.permit);
+        let ended = match test.lost.take() {
+            Some(why) => Err(Failure::test(why)),
+            None => finished,
+        };
+        // Of a board that says nothing nobody knows.
+        self.permit = board_status.as_ref().is_none_or(|v| v.permit);
         let why = ended.as_ref().err().map(Failure::to_string);
         self.account = Some(test.in_force.account(
             &self.board,
@@ -342,7 +347,7 @@ impl<const N: usize> BoardRig<N> {
         while !has_ended(in_force.mode()) {
             in_force.next(board)?;
         }
-        in_force.wait_for_rest(board)?;
+        in_force.come_to_rest(board)?;
         self.bring_to_idle()
     }
 

@@ -87,6 +87,11 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
         // A step whose sample was taken with the command at the target.
         let mut now = self.step()?;
         while now.record.command_m != target_m || !now.record.mode().is_some_and(Mode::integrates) {
+            if now.record.command_m.iter().any(|m| m.is_nan()) {
+                return Err(Stop::Lost(
+                    "a step was lost between the board and the PC, and with it where the other actuators are sent".into(),
+                ));
+            }
             now = self.step()?;
         }
         for _ in 0..settle {
@@ -113,8 +118,10 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
     fn pass(&mut self) -> Result<TargetMeasurement, Stop> {
         loop {
             let mut seen = self.step()?;
+            // Where a step was lost, it may have been the one that is waited for.
+            let answer_n = self.rig.answer_n()?;
             if self.observed > self.given {
-                seen.reached.force_n = self.rig.answer_n()?.map(f64::from).to_vec();
+                seen.reached.force_n = answer_n.map(f64::from).to_vec();
                 return Ok(seen.reached);
             }
         }

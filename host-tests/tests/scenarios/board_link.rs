@@ -152,20 +152,74 @@ fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
 }
 
 #[test]
+fn a_line_of_nothing_but_noise_is_a_lost_link_and_what_came_before_is_kept() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let noise: FaultInjection = Box::new(|b| b.is_noisy = true);
+    board.mishaps.push_back((9000, noise));
+    let run = run_on(&t, board).unwrap();
+    assert_eq!(run.summary.trip, Some("link_lost"));
+    assert!(run.trace.unwrap().len() > 3000);
+    let said = run.summary.board.unwrap().sentence();
+    assert!(said.contains("nothing that can be read came"), "{said}");
+}
+
+#[test]
+fn a_board_that_no_longer_hears_the_pc_trips_and_the_test_is_kept() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let deaf: FaultInjection = Box::new(|b| b.is_deaf = true);
+    board.mishaps.push_back((9000, deaf));
+    let run = run_on(&t, board).unwrap();
+    // By the telemetry: the board answers no question.
+    assert_eq!(run.summary.trip, Some("link_lost"));
+    assert!(run.trace.unwrap().len() > 3000);
+    let said = run.summary.board.unwrap().sentence();
+    assert!(said.contains("the board does not answer"), "{said}");
+}
+
+#[test]
+fn an_emergency_on_the_ramp_behind_a_test_is_told_and_stands() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let steps = Arc::new(AtomicU32::new(0));
+    for step in 0..30_000 {
+        let steps = Arc::clone(&steps);
+        let happen = move |b: &mut Loopback| {
+            if b.board.mode() == Mode::Finished && steps.fetch_add(1, Relaxed) == 8 {
+                b.board.hardware.broken.stop_pressed = true;
+            }
+        };
+        board.mishaps.push_back((step, Box::new(happen)));
+    }
+    let run = run_on(&t, board).unwrap();
+    assert_eq!(
+        run.summary.trip,
+        Some("emergency_stop"),
+        "{}",
+        run.summary.sentence()
+    );
+    assert!(run.trace.unwrap().len() > 11_000);
+}
+
+#[test]
+fn a_signal_that_the_boards_button_ends_is_not_called_whole() {
+    let t = test(&["plant.actuator.delay_ms=1"]);
+    let mut board = loopback(&t);
+    let press: FaultInjection = Box::new(|b| b.board.hardware.broken.hold_pressed = true);
+    board.mishaps.push_back((6000, press));
+    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
+    let early = played.early.expect("a signal that was ended");
+    assert!(early.contains("the board's button"), "{early}");
+    assert!(played.steps > 2000 && played.steps < 10_000);
+}
+
+#[test]
 fn a_board_that_starts_again_in_a_signal_ends_it() {
     let t = test(&["plant.actuator.delay_ms=1"]);
     let mut board = loopback(&t);
     board.mishaps.push_back(without_power_at(&t, 3000));
-    let signal = CommissioningSignal {
-        actuator: 0,
-        shape: SignalShape::Chirp {
-            from_hz: 0.5,
-            to_hz: 10.0,
-        },
-        amplitude_m: 0.01,
-        seconds: 10.0,
-    };
-    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(signal));
+    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
     let early = played.early.expect("a signal that was ended");
     assert!(early.contains("has started again"), "{early}");
 }
@@ -316,6 +370,18 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
 }
 
 /// A trajectory is played to its end by an actuator, with nobody at the board.
+fn chirp() -> CommissioningSignal {
+    CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Chirp {
+            from_hz: 0.5,
+            to_hz: 10.0,
+        },
+        amplitude_m: 0.01,
+        seconds: 10.0,
+    }
+}
+
 fn play_to_an_end(
     connection: &mut Connection<Loopback>,
     t: &TestFile,
@@ -383,16 +449,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
 fn a_commissioning_chirp_is_recorded_and_reads_back() {
     let t = test(&[]);
     let mut connection = connect(loopback(&t));
-    let signal = CommissioningSignal {
-        actuator: 0,
-        shape: SignalShape::Chirp {
-            from_hz: 0.5,
-            to_hz: 10.0,
-        },
-        amplitude_m: 0.01,
-        seconds: 10.0,
-    };
-    let trajectory = Trajectory::Formula(signal);
+    let trajectory = Trajectory::Formula(chirp());
     let played = play(&mut connection, &t, &trajectory);
     let recording = SiRecording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();

@@ -9,7 +9,7 @@ use experiment::judged::JudgedRun;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
 use firmware::sim::{CODES, Wire};
-use host_tests::loopback::Loopback;
+use host_tests::loopback::{FaultInjection, Loopback};
 use link::Calibration;
 use link::channel::number_of;
 use link::command::{CommissioningSignal, SignalShape};
@@ -21,6 +21,7 @@ use outerloop_cli::serve::serve_on_board;
 use outerloop_core::{Fault, Mode};
 use plant::Rig;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 const QUICK: Timeouts = Timeouts {
@@ -125,6 +126,52 @@ fn a_whole_test_has_the_bits_of_the_loop_on_the_pc_and_ends_as_on_the_rig_withou
     let (board, plain) = (on_board.summary.eps_rms, plain.summary.eps_rms);
     println!("eps_rms {board:.4} through converters of 12 bits, {plain:.4} without");
     assert!(board < plain + 0.01, "{board} {plain}");
+}
+
+#[test]
+fn a_step_that_is_lost_on_its_way_makes_no_error_at_any_floor() {
+    let t = test(&[]);
+    let mut lossy = loopback(&t);
+    let lose: FaultInjection<3> = Box::new(|b| b.drop_frames = 1);
+    lossy.mishaps.push_back((6000, lose));
+    let [whole, lossy] = [loopback(&t), lossy].map(|board| run(&t, board, 3).unwrap().summary);
+    assert!(lossy.board.as_ref().unwrap().steps_lost > 0);
+    assert_eq!(lossy.verdict, TestVerdict::Completed);
+    // Of what came before it.
+    let (eps, of_all) = (lossy.eps_rms, whole.eps_rms);
+    assert!(eps > 0.0 && eps < 1.5 * of_all, "{eps} {of_all}");
+}
+
+#[test]
+fn permission_falls_when_every_actuator_stands() {
+    // An end in mid-motion: the upper floors are faster than the first.
+    let t = test(&[
+        "excitation.duration_s=3.1",
+        "excitation.peak_response_mm=20",
+    ]);
+    let mut board = loopback(&t);
+    // The codes of the last steps before it falls.
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    for step in 0..20_000 {
+        let seen = Arc::clone(&seen);
+        let look = move |l: &mut Loopback<3>| {
+            let board = &l.board.hardware.board;
+            if board.permit && l.board.mode() == Mode::Finished {
+                seen.lock().unwrap().push(board.code);
+            }
+        };
+        board.mishaps.push_back((step, Box::new(look)));
+    }
+    let summary = run(&t, board, 3).unwrap().summary;
+    let (ended, why) = (summary.verdict, summary.sentence());
+    assert_eq!(ended, TestVerdict::Completed, "{why} {:?}", summary.trip);
+    let seen = seen.lock().unwrap();
+    let moved = seen[0] != *seen.last().unwrap();
+    let last = &seen[seen.len() - 20..];
+    println!("{} steps from the end to PERMIT low", seen.len());
+    // The command is rounded up or down.
+    let stands = |code: &[u16; 3]| (0..3).all(|a| code[a].abs_diff(last[0][a]) <= 1);
+    assert!(moved && last.iter().all(stands), "{last:?}");
 }
 
 #[test]

@@ -24,11 +24,19 @@ const QUICK: Timeouts = Timeouts {
 
 /// A rig 2 ms late. The loopback's time runs with the PC's and not with the wall's: a model is never too late for it.
 fn test(pace: &str) -> TestFile {
+    test_with(pace, &[])
+}
+
+fn test_with(pace: &str, more: &[&str]) -> TestFile {
     let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
                 [loop]\nsubsteps = 20\nsolve_substeps = 12\nlate_limit_steps = 60000\napproach_m_per_s = 0.2\n\
                 [limits]\ndisplacement_m = 0.03\nforce_n = 7000\nvelocity_m_per_s = 1\ntracking_m = 0.02\n\
                 [plant.actuator]\nkind = \"delay\"\ndelay_ms = 2\n[plant.specimen]\nkind = \"linear\"\n";
-    let overrides = [format!("serve.pace={pace}")];
+    let pace = format!("serve.pace={pace}");
+    let overrides: Vec<String> = std::iter::once(pace.as_str())
+        .chain(more.iter().copied())
+        .map(str::to_owned)
+        .collect();
     TestFile::parse(text, "t.toml", Path::new(""), &overrides).unwrap()
 }
 
@@ -151,12 +159,22 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
         ("stop_and_go", SessionVerdict::Completed),
         ("continuous", SessionVerdict::RigLost),
     ] {
-        let t = test(pace);
+        // A specimen that is not what is declared: its force is measured or not.
+        let yields = [
+            "plant.specimen.kind='bilinear'",
+            "plant.specimen.yield_mm=4",
+        ];
+        let t = test_with(pace, &yields);
+        let (whole, ..) = session(&t, served(&t, |_| {}).as_mut(), &swing(200));
         let mut rig = served(&t, |board| {
             let lose: host_tests::loopback::FaultInjection = Box::new(|b| b.drop_frames = 1);
             board.mishaps.push_back((2500, lose));
         });
-        let (_, summary, _) = session(&t, rig.as_mut(), &swing(200));
+        let (forces, summary, _) = session(&t, rig.as_mut(), &swing(200));
+        let apart = forces.iter().zip(&whole).filter(|(f, _)| f.is_finite());
+        let apart = apart.map(|(f, g)| (f - g).abs()).fold(0.0, f64::max);
+        println!("{pace}: {} forces, {apart:.1} N apart", forces.len());
+        assert!(apart < 30.0, "{pace}: {apart} N");
         assert_eq!(summary.verdict, verdict, "{pace}: {}", summary.sentences());
         assert!(summary.board.as_ref().unwrap().steps_lost > 0);
         assert!(!summary.permit);
