@@ -20,6 +20,8 @@ const OMEGA_RAD_PER_S: f64 = core::f64::consts::TAU;
 
 /// The example's rig, with a pure delay of `LATE_S`.
 const LATE_S: f64 = 0.014;
+/// Noise of a displacement, m rms, and about that of one that stands.
+const NOISE_M: f32 = 3e-5;
 
 fn scenario<const N: usize>(method: Method) -> Scenario {
     let mut config = Config::shear_frame([4000.0; N], [158e3; N], [0.03; N]);
@@ -30,39 +32,77 @@ fn scenario<const N: usize>(method: Method) -> Scenario {
     scenario
 }
 
-/// A rig whose actuators are later by `steps` from [`FROM`] on, and whose displacement is read `gain` times as large.
+/// A rig with which something goes wrong from [`FROM`] on.
 fn spoilt<const N: usize>(
     mut rig: impl FnMut(&[f32; N]) -> Sample<N>,
-    steps: usize,
-    gain: f32,
+    wrong: Wrong,
 ) -> impl FnMut(&[f32; N]) -> Sample<N> {
     let (mut sent, mut now) = (VecDeque::new(), 0);
+    let (mut stands_m, mut noise) = ([0.0; N], 1_u32);
     move |command_m| {
         sent.push_front(*command_m);
         now += 1;
         let is_spoilt = now > FROM;
-        let late = if is_spoilt { steps } else { 0 };
+        let late = if is_spoilt { wrong.steps } else { 0 };
         let mut sample = rig(sent.get(late).unwrap_or(command_m));
-        sent.truncate(steps + 1);
-        if is_spoilt {
-            sample.displacement_m = sample.displacement_m.map(|m| gain * m);
+        sent.truncate(wrong.steps + 1);
+        match is_spoilt {
+            false => stands_m = sample.displacement_m,
+            true if wrong.stands => {
+                noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let off_m = NOISE_M * ((noise >> 16) as f32 / 32_768.0 - 1.0);
+                sample.displacement_m = stands_m.map(|m| m + off_m);
+            }
+            true => sample.displacement_m = sample.displacement_m.map(|m| wrong.gain * m),
         }
         sample
     }
 }
 
-/// What goes wrong, and what the watch may do.
-struct Case {
-    method: Method,
+/// What goes wrong: actuators that are later by so many steps, a displacement that is read so many times as large, or one that stands
+/// with its noise.
+#[derive(Clone, Copy)]
+struct Wrong {
     steps: usize,
     gain: f32,
+    stands: bool,
+}
+
+const NOTHING: Wrong = Wrong {
+    steps: 0,
+    gain: 1.0,
+    stands: false,
+};
+
+const LATER: Wrong = Wrong {
+    steps: 24,
+    ..NOTHING
+};
+
+/// A test with something wrong, and what the watch may do.
+struct Case {
+    method: Method,
+    wrong: Wrong,
+    /// Where the specimen yields, of the planned peak.
+    yields_at: Option<f64>,
     actions: Actions,
+}
+
+impl Case {
+    fn new(method: &str, wrong: Wrong) -> Self {
+        Self {
+            method: Method::from_name(method).unwrap(),
+            wrong,
+            yields_at: None,
+            actions: Actions::default(),
+        }
+    }
 }
 
 /// Runs it in QEMU and here, and compares every word of every record.
 fn same<const N: usize>(case: &Case) -> Option<(Records, Vec<Watch>)> {
     let image = image("qemu", "qemu")?;
-    let scenario = scenario::<N>(case.method);
+    let mut scenario = scenario::<N>(case.method);
     let shaking = shaking(14.0);
     let ideal = scenario.ideal::<N>(&shaking, 14.0);
     let targets = ideal
@@ -70,6 +110,11 @@ fn same<const N: usize>(case: &Case) -> Option<(Records, Vec<Watch>)> {
         .iter()
         .map(|r| f64::from(r.command_m[0].abs()));
     let peak_m = targets.fold(0.0, f64::max);
+    if let Some(share) = case.yields_at {
+        let yield_mm = 1e3 * share * peak_m;
+        scenario.specimen =
+            format!("kind = 'bilinear'\nyield_mm = {yield_mm}\nhardening_ratio = 0.1");
+    }
     let watched = told(
         &scenario.config,
         (OMEGA_RAD_PER_S, peak_m, LATE_S),
@@ -79,7 +124,7 @@ fn same<const N: usize>(case: &Case) -> Option<(Records, Vec<Watch>)> {
         watched: &watched,
         ..Test::new(&scenario.config, &shaking)
     };
-    let rig = || spoilt(rig::<N>(&scenario, 1), case.steps, case.gain);
+    let rig = || spoilt(rig::<N>(&scenario, 1), case.wrong);
     let (here, hash, watches) = here::<N>(&test, STEPS, &bench::plain, rig()).unwrap();
     let there = emulated::<N>(&image, Clock::Free, &test, STEPS, &bench::plain, rig());
     let (there, summary) = there.unwrap();
@@ -97,11 +142,14 @@ fn flags(records: &Records) -> impl Iterator<Item = u32> {
     records.iter().map(|words| words[2])
 }
 
+/// The first control period in which the watch is in this state.
+fn first_in(records: &Records, state: State) -> Option<usize> {
+    flags(records).position(|flags| flags >> flag::WATCH_STATE_SHIFT & 3 == state as u32)
+}
+
 /// The first control period in which something has a name, after what was wrong began.
 fn named(records: &Records) -> usize {
-    let is_named = |flags: u32| flags >> flag::WATCH_STATE_SHIFT & 3 == State::Named as u32;
-    let first = flags(records).position(is_named);
-    let first = first.expect("something is named");
+    let first = first_in(records, State::Named).expect("something is named");
     println!("named {} control steps after it began", first - FROM);
     first - FROM
 }
@@ -116,12 +164,7 @@ fn error_m(records: &Records) -> f64 {
 
 #[test]
 fn a_delay_that_jumps_is_named_and_corrected_with_the_same_bits() {
-    let mut case = Case {
-        method: Method::from_name("inverse").unwrap(),
-        steps: 24,
-        gain: 1.0,
-        actions: Actions::default(),
-    };
+    let mut case = Case::new("inverse", LATER);
     let Some((plain, _)) = same::<1>(&case) else {
         return;
     };
@@ -152,15 +195,12 @@ fn a_delay_that_jumps_is_named_and_corrected_with_the_same_bits() {
 
 #[test]
 fn a_transducer_that_lies_is_named_and_what_was_learnt_held_with_the_same_bits() {
-    let case = Case {
-        method: Method::from_name("ats").unwrap(),
-        steps: 0,
+    let lies = Wrong {
         gain: 1.08,
-        actions: Actions {
-            hold: true,
-            ..Actions::default()
-        },
+        ..NOTHING
     };
+    let mut case = Case::new("ats", lies);
+    case.actions.hold = true;
     let Some((records, watches)) = same::<1>(&case) else {
         return;
     };
@@ -171,13 +211,35 @@ fn a_transducer_that_lies_is_named_and_what_was_learnt_held_with_the_same_bits()
 }
 
 #[test]
-fn three_actuators_are_watched_with_the_same_bits() {
-    let case = Case {
-        method: Method::from_name("inverse").unwrap(),
-        steps: 24,
-        gain: 1.0,
-        actions: Actions::default(),
+fn a_transducer_that_stands_with_its_noise_stops_the_test_with_the_same_bits() {
+    let stands = Wrong {
+        stands: true,
+        ..NOTHING
     };
+    let mut case = Case::new("inverse", stands);
+    case.actions.trip = true;
+    let Some((records, watches)) = same::<1>(&case) else {
+        return;
+    };
+    let tripped = first_in(&records, State::Trip).expect("the watch stops it") - FROM;
+    println!("stopped {tripped} control steps after it began");
+    assert!(tripped < PERIOD_STEPS && watches[0].set().has(Cause::FrozenDisplacement));
+}
+
+#[test]
+fn a_specimen_that_yields_though_declared_elastic_has_no_name_with_the_same_bits() {
+    let mut case = Case::new("inverse", NOTHING);
+    case.yields_at = Some(0.5);
+    let Some((records, watches)) = same::<1>(&case) else {
+        return;
+    };
+    assert_eq!(first_in(&records, State::Named), None);
+    assert!(watches[0].set() == outerloop_core::watch::Set::EMPTY);
+}
+
+#[test]
+fn three_actuators_are_watched_with_the_same_bits() {
+    let case = Case::new("inverse", LATER);
     let Some((_, watches)) = same::<3>(&case) else {
         return;
     };
