@@ -40,9 +40,15 @@ enum Survey {
         /// How many in which something goes wrong
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
         faulty: u64,
-        /// Write test file and ground motion of the test of the seed into this folder instead, for `outerloop run`
+        /// Write file and ground motion of one test of the survey of this seed into this folder instead, and how to run it
         #[arg(long, value_name = "DIR")]
         write: Option<PathBuf>,
+        /// Which test of its lot, from 0
+        #[arg(long, default_value_t = 0, requires = "write")]
+        test: u64,
+        /// Of which lot
+        #[arg(long, value_enum, default_value_t = watch::Lot::Sound, requires = "write")]
+        lot: watch::Lot,
     },
     /// What the rig watch says of records of actuators that other people made, beside the diagnosis of the same records
     Records,
@@ -80,8 +86,10 @@ fn main() -> ExitCode {
         Survey::Monitor { tests } => monitor(tests as usize, &arguments),
         Survey::Watch {
             write: Some(ref folder),
+            test,
+            lot,
             ..
-        } => write_test(folder, arguments.seed),
+        } => write_test(folder, arguments.seed, (lot, test)),
         Survey::Watch { sound, faulty, .. } => rig_watch([sound, faulty], &arguments),
         Survey::Records => records(&arguments),
     };
@@ -198,11 +206,20 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     print_effects("effect from mid-test", from_mid_test);
     let others = watch::by_effect(&watch::Kind::OTHERS, &of_any_kind);
     print_effects("from the start or in mid-test", others);
-    println!("false names:");
-    for (seed, trial) in (arguments.seed..).zip(&sound).filter(|(_, t)| t.counts) {
+    println!("false names (--lot sound):");
+    for (i, trial) in sound.iter().enumerate().filter(|(_, t)| t.counts) {
         if let Some(named) = &trial.named {
-            println!("  seed {seed}, {}: {named}", trial.kind);
+            println!("  --test {i}, {}: {named}", trial.kind);
         }
+    }
+    println!("made worse by a correction (--lot mid-test):");
+    let worse = |(_, t): &(usize, &watch::FaultTrial)| {
+        t.beside.is_none() && (t.is_made_worse() || t.unstable)
+    };
+    for (i, trial) in faulty.iter().enumerate().filter(worse) {
+        let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);
+        let (rig, kind) = (&trial.rig, trial.kind.name());
+        println!("  --test {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %");
     }
     Ok(reached)
 }
@@ -225,15 +242,22 @@ fn print_effects(head: &str, rows: Vec<[String; 9]>) {
     println!("{t}\n");
 }
 
-/// Test file and ground motion of a seed.
-fn write_test(folder: &Path, seed: u64) -> Result<bool, Failure> {
-    let (text, shaking) = watch::drawn(seed, watch::is_faulty(seed));
+/// Test file and ground motion of a test of the survey of a seed.
+fn write_test(folder: &Path, seed: u64, (lot, i): (watch::Lot, u64)) -> Result<bool, Failure> {
+    let (text, shaking) = lot.test(seed, i);
     let points = shaking.acc_m_per_s2.iter().enumerate();
     let motion: String = points
         .map(|(i, a)| format!("{:.5},{a}\n", i as f64 * shaking.interval_s))
         .collect();
     let motion = format!("time_s,acc_m_per_s2\n{motion}");
     output::write_all(folder, &[("test.toml", text), ("motion.csv", motion)])?;
+    let [test, motion] = ["test.toml", "motion.csv"].map(|name| folder.join(name));
+    println!(
+        "outerloop run {} --record {} --seed {}",
+        test.display(),
+        motion.display(),
+        lot.seed(seed, i)
+    );
     Ok(true)
 }
 

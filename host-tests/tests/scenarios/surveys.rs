@@ -66,6 +66,18 @@ fn the_bench_of_compensations_ranks_its_contestants() {
     assert!(best >= conditions.len(), "{best}");
 }
 
+/// The error of a test of the survey as it is written, by the seed that is printed.
+fn eps_of_written(survey: u64, i: u64) -> f64 {
+    let lot = watch::Lot::MidTest;
+    let (text, shaking) = lot.test(survey, i);
+    let test = TestFile::parse(&text, "written", std::path::Path::new(""), &[]).expect("a test");
+    let method = test.config.compensation.kind;
+    let experiment = Experiment::new(test, &shaking, None).expect("a test");
+    let ideal = experiment.ideal().expect("a motion");
+    let run = experiment.run(method, &ideal, lot.seed(survey, i), false, ());
+    run.expect("a test that runs").summary.eps_rms.min(1.0)
+}
+
 /// A glance at what `check-surveys watch` asks of thousands of tests.
 #[test]
 fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
@@ -77,6 +89,11 @@ fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     let all = counts.count();
     assert!(all > 50);
     let faulty = watch::faulty(40, 7000, || ()).expect("tests that can run");
+    // What is written for `outerloop run` is the test of the survey: with two effects, one, and one.
+    for (i, trial) in (0..3).zip(&faulty) {
+        let own = eps_of_written(7000, i);
+        assert!((own - trial.eps[1]).abs() < 1e-12, "{i}: {own} {trial:?}");
+    }
     let late = |t: &&watch::FaultTrial| t.kind == watch::Kind::ActuatorLate && t.adds(0.05);
     let late: Vec<_> = faulty.iter().filter(late).collect();
     assert!(late.len() > 1);

@@ -32,21 +32,50 @@ const ANY_FROM: u64 = 2 * FAULTS_FROM;
 const TWO_IN: u64 = 10;
 const ADAPTIVE_IN: u64 = 4;
 
-/// True if something goes wrong in the test of a seed of the survey.
-pub fn is_faulty(seed: u64) -> bool {
-    seed >= FAULTS_FROM
+/// The three lots of tests of a survey.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Lot {
+    /// Nothing goes wrong.
+    Sound,
+    /// Something goes wrong in mid-test.
+    MidTest,
+    /// An effect of any kind, from the start or in mid-test.
+    AnyKind,
 }
 
-/// Test file and ground motion of a seed, for whoever looks at one test; `faulty`: with its effect.
-pub fn drawn(seed: u64, faulty: bool) -> (String, GroundMotionFile) {
-    let rig = rig::DrawnRig::new(seed);
-    let mut draw = draw::Draw::new(seed ^ 0xf0);
-    let effect = faulty.then(|| match seed >= ANY_FROM {
-        true => effect::DrawnEffect::any(&rig, &mut draw),
-        false => effect::DrawnEffect::new(&rig, &mut draw),
-    });
-    let effect = effect.map_or(String::new(), |e| e.text);
-    (format!("{}{effect}", rig.text), rig.shaking)
+impl Lot {
+    /// The seed of its test `i`, from 0, in the survey of `seed`.
+    pub fn seed(self, seed: u64, i: u64) -> u64 {
+        let from = match self {
+            Self::Sound => 0,
+            Self::MidTest => FAULTS_FROM,
+            Self::AnyKind => ANY_FROM,
+        };
+        seed + from + i
+    }
+
+    /// Test file and ground motion of its test `i` in the survey of `seed`, for whoever looks at one test.
+    pub fn test(self, seed: u64, i: u64) -> (String, GroundMotionFile) {
+        let own = self.seed(seed, i);
+        let (text, shaking) = match self {
+            Self::Sound => trial::sound_test(own),
+            Self::MidTest => trial::test_with(own, |rig, draw| in_mid_test(i, rig, draw)),
+            Self::AnyKind => trial::test_with(own, of_any_effect),
+        };
+        (text, shaking)
+    }
+}
+
+/// One effect in mid-test; in one test of ten two.
+fn in_mid_test(i: u64, rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::DrawnEffect> {
+    let first = effect::DrawnEffect::new(rig, draw);
+    let second = (i % TWO_IN == 0).then(|| effect::DrawnEffect::new(rig, draw));
+    let second = second.filter(|s| s.kind != first.kind);
+    std::iter::once(first).chain(second).collect()
+}
+
+fn of_any_effect(rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::DrawnEffect> {
+    vec![effect::DrawnEffect::any(rig, draw)]
 }
 
 /// So many sound tests from a seed on. `one_done` is called after each.
@@ -61,7 +90,7 @@ pub fn sound(
     (0..tests)
         .into_par_iter()
         .map(|i| {
-            let trial = SoundTrial::run(seed + i);
+            let trial = SoundTrial::run(Lot::Sound.seed(seed, i));
             one_done();
             trial
         })
@@ -80,8 +109,9 @@ pub fn faulty(
     (0..tests)
         .into_par_iter()
         .map(|i| {
-            let (two, adaptive) = (i % TWO_IN == 0, i % ADAPTIVE_IN == 1);
-            let trial = FaultTrial::run(seed + FAULTS_FROM + i, two, adaptive);
+            let own = Lot::MidTest.seed(seed, i);
+            let effects = |rig: &_, draw: &mut _| in_mid_test(i, rig, draw);
+            let trial = FaultTrial::run(own, effects, i % ADAPTIVE_IN == 1);
             one_done();
             trial
         })
@@ -100,7 +130,7 @@ pub fn of_any_kind(
     (0..tests)
         .into_par_iter()
         .map(|i| {
-            let trial = FaultTrial::of_any_kind(seed + ANY_FROM + i);
+            let trial = FaultTrial::run(Lot::AnyKind.seed(seed, i), of_any_effect, false);
             one_done();
             trial
         })

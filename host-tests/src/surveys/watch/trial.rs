@@ -5,6 +5,7 @@ use super::effect::{DrawnEffect, Kind, Name};
 use super::rig::DrawnRig;
 use experiment::Experiment;
 use experiment::failure::Failure;
+use experiment::files::ground_motion::GroundMotionFile;
 use experiment::files::test::TestFile;
 use experiment::summary::{POOR_EPS_RMS, Summary, TestVerdict};
 use experiment::trace::Response;
@@ -89,6 +90,24 @@ impl FaultTrial {
     }
 }
 
+/// The test of a sound seed.
+pub(super) fn sound_test(seed: u64) -> (String, GroundMotionFile) {
+    let rig = DrawnRig::new(seed);
+    (rig.text, rig.shaking)
+}
+
+/// The test of a seed with what `effects` draws.
+pub(super) fn test_with(
+    seed: u64,
+    effects: impl FnOnce(&DrawnRig, &mut Draw) -> Vec<DrawnEffect>,
+) -> (String, GroundMotionFile) {
+    let planned = Planned::new(seed);
+    let effects = planned.effects(effects);
+    let text = effects.iter().map(|e| e.text.as_str());
+    let text = std::iter::once(planned.rig.text.as_str()).chain(text);
+    (text.collect(), planned.rig.shaking)
+}
+
 /// A drawn test with its planned motion.
 struct Planned {
     rig: DrawnRig,
@@ -103,6 +122,13 @@ impl Planned {
             seed,
             ideal: None,
         }
+    }
+
+    fn effects(
+        &self,
+        draw: impl FnOnce(&DrawnRig, &mut Draw) -> Vec<DrawnEffect>,
+    ) -> Vec<DrawnEffect> {
+        draw(&self.rig, &mut Draw::new(self.seed ^ 0xf0))
     }
 
     fn run(&mut self, more: &str, method: Option<Method>) -> Result<Summary, Failure> {
@@ -169,27 +195,21 @@ impl SoundTrial {
 }
 
 impl FaultTrial {
-    /// Of a seed. `two`: two effects at once; `adaptive`: the same also under `ats`, guarded and not.
+    /// Of a seed, with what `effects` draws; `adaptive`: the same also under `ats`, guarded and not.
     ///
     /// # Errors
     /// A test that cannot run.
-    pub fn run(seed: u64, two: bool, adaptive: bool) -> Result<Self, Failure> {
+    pub(super) fn run(
+        seed: u64,
+        effects: impl FnOnce(&DrawnRig, &mut Draw) -> Vec<DrawnEffect>,
+        adaptive: bool,
+    ) -> Result<Self, Failure> {
         let planned = Planned::new(seed);
-        let mut draw = Draw::new(seed ^ 0xf0);
-        let effect = DrawnEffect::new(&planned.rig, &mut draw);
-        let beside = two.then(|| DrawnEffect::new(&planned.rig, &mut draw));
-        let beside = beside.filter(|b| b.kind != effect.kind);
-        Self::with(planned, &effect, beside.as_ref(), adaptive)
-    }
-
-    /// Of a seed: an effect of any kind, from the start or in mid-test.
-    ///
-    /// # Errors
-    /// A test that cannot run.
-    pub fn of_any_kind(seed: u64) -> Result<Self, Failure> {
-        let planned = Planned::new(seed);
-        let effect = DrawnEffect::any(&planned.rig, &mut Draw::new(seed ^ 0xf0));
-        Self::with(planned, &effect, None, false)
+        match &planned.effects(effects)[..] {
+            [] => Err(Failure::test("no effect")),
+            [effect] => Self::with(planned, effect, None, adaptive),
+            [effect, beside, ..] => Self::with(planned, effect, Some(beside), adaptive),
+        }
     }
 
     fn with(
