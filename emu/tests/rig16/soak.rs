@@ -18,9 +18,9 @@ use outerloop_core::{Event, Mode};
 use std::path::Path;
 use std::time::Instant;
 
-/// Control steps with PERMIT high from one reset or crash to the next, a test and a half; in each further part of a soak some more,
-/// so that they fall into other moments of a test.
-const BETWEEN: u64 = 30_000;
+/// Control steps with PERMIT high from one reset or crash to the next, so that a test that trips has its time between them; in each
+/// further part of a soak some more, so that they fall into other moments of a test.
+const BETWEEN: u64 = 45_000;
 const MORE_A_PART: u64 = 1234;
 
 /// Each in its turn ends the program, or the button does.
@@ -180,7 +180,10 @@ fn soaked(board_s: u64, part: usize) -> Outcomes {
 #[test]
 fn a_minute_of_tests_with_a_reset_and_a_crash_loses_nothing() {
     let seen = soaked(60, 0);
-    assert!(seen.completed >= 2 && seen.reset >= 2, "{seen:?}");
+    assert!(
+        seen.completed >= 2 && seen.tripped >= 1 && seen.reset >= 2,
+        "{seen:?}"
+    );
 }
 
 #[test]
