@@ -4,15 +4,18 @@ use outerloop_core::watch::Corrections;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `[watch]`: whether the running test is watched for what its declared model lacks, and what the watch may do about it.
+/// `[watch]`: whether the running test is watched for what its declared model lacks, and what the watch may do about it. A test of
+/// `serve` or of `[coupled]` is not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WatchSettings {
-    /// Watch the running test: name what the rig does otherwise than declared, and stop the test where a sensor stands still.
+    /// Watch the running test: name what the rig does otherwise than declared, and stop the test where a sensor is seen to stand
+    /// still: a displacement with `[declared.actuator]`, a force in a structure of one floor.
     pub on: bool,
     /// Hold what an adaptive compensation has learnt at what was declared while the displacement transducer is among the causes.
     pub guard: bool,
-    /// What the loop corrects for once it has a settled name: `lateness` and `gain` of the actuator, `late_sensor`.
+    /// What the loop corrects for once a set has settled in which exactly one cause can be corrected: `lateness` and `gain` of the
+    /// actuator, `late_sensor`.
     pub correct: Vec<String>,
     /// Largest error, rms and of the planned peak, that what is named may be predicted to add by the end of the test; beyond, the
     /// test is stopped. Left out: it is not predicted.

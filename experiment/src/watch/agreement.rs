@@ -11,8 +11,8 @@ const LEAST_S: f64 = 2.0;
 /// Names of one thing: a motion tells lateness from lag only where it is fast.
 const LATE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "channel_skew"];
 
-/// Asks the diagnosis of `record`, the test's own, what the watch has named. `time_scale`: s of the laboratory in one of the
-/// model. `None` where nothing was named.
+/// Asks the diagnosis of `record`, the test's own, for what the watch has named: any cause of any of its sets. `time_scale`: s of the
+/// laboratory in one of the model. `None` where nothing was named.
 pub fn agreement(
     model: &Model,
     record: &Recording,
@@ -20,7 +20,6 @@ pub fn agreement(
     time_scale: f64,
 ) -> Option<Agreement> {
     let first = report.events.iter().find(|e| !e.set.is_empty())?;
-    let set = &report.events.last()?.set;
     let end_s = record.time_s.last().copied()?;
     let from_s = record.time_s.first()? + first.t_s * time_scale;
     if end_s - from_s < LEAST_S {
@@ -44,31 +43,22 @@ pub fn agreement(
                 "The diagnosis of the record from {from_s:.1} s on is refused: {why}."
             ),
         },
-        Ok(found) => judged(&found, set, from_s),
+        Ok(found) => judged(&found, report, from_s),
     })
 }
 
-fn judged(found: &Diagnosis, set: &[NamedCause], from_s: f64) -> Agreement {
+fn judged(found: &Diagnosis, report: &WatchReport, from_s: f64) -> Agreement {
     let here = format!("diagnosis of the record from {from_s:.1} s on");
-    let all: Vec<&str> = found.channels.iter().flat_map(names).collect();
-    let same = |name: &str| {
-        all.iter()
-            .any(|n| *n == name || (LATE.contains(n) && LATE.contains(&name)))
-    };
-    let shared: Vec<&str> = set.iter().map(|c| c.name).filter(|n| same(n)).collect();
-    if let Some(one) = shared.first() {
+    let named = ever_named(report);
+    let channels = found.channels.iter();
+    let said: Vec<_> = channels.map(|c| (c.channel, names(c))).collect();
+    if let Some(both) = named_by_both(&said, &named) {
         return Agreement {
             agrees: Some(true),
-            sentence: format!("The {here} agrees: it names {one}, too."),
+            sentence: format!("The {here} agrees: {both}."),
         };
     }
-    let asked = |c: &&ChannelAnswer| {
-        set.iter().any(|cause| match cause.side {
-            "actuator" => c.channel == Channel::Actuator,
-            "displacement" => true,
-            _ => c.channel == Channel::Specimen,
-        })
-    };
+    let asked = |c: &&ChannelAnswer| named.iter().any(|n| shows_in(n.cause.side, c.channel));
     let why: Vec<String> = found.channels.iter().filter(asked).map(why_not).collect();
     Agreement {
         agrees: Some(false),
@@ -79,17 +69,80 @@ fn judged(found: &Diagnosis, set: &[NamedCause], from_s: f64) -> Agreement {
     }
 }
 
-/// Everything that an answer holds for possible: effects, their rivals, and declared values that are off by two tolerances.
+/// A cause that was in a set, and whether it was in the last one.
+struct Named<'a> {
+    cause: &'a NamedCause,
+    stands: bool,
+}
+
+/// Every cause of every set, once: those of the last set before those that were dropped. A set that settles to a wrong name may have
+/// held the right one before.
+fn ever_named(report: &WatchReport) -> Vec<Named<'_>> {
+    let of = |cause: &NamedCause| (cause.name, cause.side);
+    let mut all: Vec<Named<'_>> = Vec::new();
+    let last = report.events.last().into_iter();
+    for (i, event) in last.chain(&report.events).enumerate() {
+        for cause in &event.set {
+            if !all.iter().any(|known| of(known.cause) == of(cause)) {
+                let stands = i == 0;
+                all.push(Named { cause, stands });
+            }
+        }
+    }
+    all
+}
+
+/// True if what the watch finds on `side` shows in a channel of the diagnosis. Two have a displacement.
+fn shows_in(side: &str, channel: Channel) -> bool {
+    match side {
+        "actuator" => channel == Channel::Actuator,
+        "displacement" => true,
+        _ => channel == Channel::Specimen,
+    }
+}
+
+fn is_late(name: &str) -> bool {
+    LATE.contains(&name)
+}
+
+/// The first cause that the diagnosis names, too, in words. `said`: what it names in each channel.
+fn named_by_both(said: &[(Channel, Vec<&'static str>)], named: &[Named<'_>]) -> Option<String> {
+    named.iter().find_map(|&Named { cause, stands }| {
+        let own = cause.name;
+        let here = said.iter().filter(|(c, _)| shows_in(cause.side, *c));
+        let here: Vec<&'static str> = here.flat_map(|(_, names)| names).copied().collect();
+        let is_of_it = |name: &&&str| is_late(name) && is_late(own);
+        let name = here.iter().find(|name| **name == own);
+        let name = name.or_else(|| here.iter().find(is_of_it))?;
+        let too = match *name == own {
+            true => "too".to_owned(),
+            false => format!("a lateness as {own} is"),
+        };
+        let dropped = match stands {
+            true => "",
+            false => ", which the watch had held for possible before",
+        };
+        Some(format!("it names {name}, {too}{dropped}"))
+    })
+}
+
+/// Everything that an answer holds for possible, each name once: effects, their rivals, and declared values that are off by two
+/// tolerances.
 fn names(c: &ChannelAnswer) -> Vec<&'static str> {
     let effects = c.effects.iter().map(|e| e.name.name());
     let rivals = c.alternatives.iter().map(|e| e.name());
     let off = c.refitted.iter().filter(|r| r.tolerances().abs() > 2.0);
     let rows = c.channel.parameters();
     let off = off.filter_map(|r| rows.iter().find(|row| row.name == r.name));
-    effects
-        .chain(rivals)
-        .chain(off.map(|row| row.error.name()))
-        .collect()
+    let off = off.map(|row| row.error.name());
+    let mut all = Vec::new();
+    // An effect may be its own rival in another place.
+    for name in effects.chain(rivals).chain(off) {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
 }
 
 fn why_not(c: &ChannelAnswer) -> String {
@@ -112,4 +165,80 @@ fn why_not(c: &ChannelAnswer) -> String {
         }
     };
     format!("{channel} {says}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ever_named, named_by_both};
+    use crate::watch::{NamedCause, WatchEvent, WatchReport};
+    use plant::Channel;
+
+    fn report(sets: &[&[(&'static str, &'static str)]]) -> WatchReport {
+        let cause = |&(name, side): &(&'static str, &'static str)| NamedCause {
+            name,
+            side,
+            actuator: None,
+            value: 1.0,
+            unit: "",
+            ci90: [0.5, 1.5],
+            corrected: None,
+        };
+        let event = |set: &&[(&'static str, &'static str)]| WatchEvent {
+            t_s: 8.0,
+            state: "named",
+            set: set.iter().map(cause).collect(),
+            corrected: false,
+            held: false,
+        };
+        WatchReport {
+            state: "named",
+            events: sets.iter().map(event).collect(),
+            corrections: Vec::new(),
+            diagnosis: None,
+            watchable: Vec::new(),
+            not_watched: Vec::new(),
+        }
+    }
+
+    const GAIN: (&str, &str) = ("gain_error", "actuator");
+    const LATE: (&str, &str) = ("delay_error", "actuator");
+    const FRICTION: (&str, &str) = ("coulomb_friction", "actuator");
+
+    #[test]
+    fn each_set_is_looked_at_and_what_stands_goes_first() {
+        let report = report(&[&[], &[GAIN, FRICTION], &[LATE, GAIN], &[FRICTION]]);
+        let all: Vec<_> = ever_named(&report)
+            .iter()
+            .map(|n| (n.cause.name, n.stands))
+            .collect();
+        let expected = [
+            ("coulomb_friction", true),
+            ("gain_error", false),
+            ("delay_error", false),
+        ];
+        assert_eq!(all, expected);
+    }
+
+    #[test]
+    fn the_name_that_agrees_is_said_and_of_which_set_it_was() {
+        let settled = report(&[&[GAIN, FRICTION], &[FRICTION]]);
+        let both = |report: &WatchReport, channel, names: &[&'static str]| {
+            named_by_both(&[(channel, names.to_vec())], &ever_named(report))
+        };
+        let in_actuator = |names: &[&'static str]| both(&settled, Channel::Actuator, names);
+        let said = in_actuator(&["gain_error", "coulomb_friction"]);
+        assert_eq!(said.as_deref(), Some("it names coulomb_friction, too"));
+        let said = in_actuator(&["lag_error", "gain_error"]).expect("of the first set");
+        assert!(
+            said.starts_with("it names gain_error, too, which"),
+            "{said}"
+        );
+        assert_eq!(in_actuator(&["asymmetric_actuator"]), None);
+        // A gain of the load cell is no gain of the actuator.
+        assert_eq!(both(&settled, Channel::Specimen, &["gain_error"]), None);
+        let late = report(&[&[LATE]]);
+        let said = both(&late, Channel::Actuator, &["lag_error"]);
+        let as_it_is = "it names lag_error, a lateness as delay_error is";
+        assert_eq!(said.as_deref(), Some(as_it_is));
+    }
 }

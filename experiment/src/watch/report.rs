@@ -78,7 +78,7 @@ pub struct Watchable {
 /// What the diagnosis of the record behind the first name says of the names. The keys are a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Agreement {
-    /// True if it names one of the set; none where it cannot be asked.
+    /// True if it names a cause of any set, from the first to the last; none where it cannot be asked.
     pub agrees: Option<bool>,
     /// Whether, and why not, in a sentence.
     pub sentence: String,
@@ -130,6 +130,15 @@ impl WatchReport {
                 .trim_end()
                 .to_owned();
         };
+        // Another set may have come first: what is said below is the last one.
+        let same = self.events.iter().rev();
+        let same = same.take_while(|e| e.causes() == last.causes()).last();
+        let since = match same {
+            Some(since) if since.t_s > first.t_s => {
+                format!(" and as follows since {:.2} s", since.t_s)
+            }
+            _ => String::new(),
+        };
         let names: Vec<String> = last.set.iter().map(NamedCause::in_words).collect();
         let what = match &names[..] {
             [one] => one.clone(),
@@ -153,28 +162,49 @@ impl WatchReport {
         let agrees = self.diagnosis.as_ref();
         let agrees = agrees.map_or(String::new(), |d| format!(" {}", d.sentence));
         format!(
-            "The watch named, first at {:.2} s: {what}.{}{held}{stopped}{agrees}",
+            "The watch named, first at {:.2} s{since}: {what}.{}{held}{stopped}{agrees}",
             first.t_s,
             self.corrected_in_words()
         )
     }
 
-    /// What could be named in a test like this, in sentences.
+    /// What could be named in a test like this, in sentences. What is not watched stands last, with what of it is for all that.
     pub fn outlook(&self) -> String {
         let can: Vec<String> = self.watchable.iter().map(Watchable::in_words).collect();
         let mut said = match &can[..] {
-            [] => "In this motion the rig watch could name no error by its size.".to_owned(),
-            _ => format!(
-                "In this motion the rig watch could name {}; beside them sensors that stand, hum or become noisy, limits of stroke \
-                 and speed, and play.",
-                can.join(", ")
-            ),
+            [] => "In this motion the rig watch could name no error by its size".to_owned(),
+            _ => format!("In this motion the rig watch could name {}", can.join(", ")),
         };
+        if let Some(beside) = self.watched_beside() {
+            said += if can.is_empty() {
+                ", but "
+            } else {
+                "; beside them "
+            };
+            said += beside;
+        }
+        said += ".";
         for gap in &self.not_watched {
             said += " ";
             said += gap;
         }
         said
+    }
+
+    /// What is watched beside errors by their size, as far as no gap says it. A side of which something has a least size is declared.
+    fn watched_beside(&self) -> Option<&'static str> {
+        let all = self.not_watched.is_empty();
+        let tells_of = |side: &str| all || self.watchable.iter().any(|w| w.side == side);
+        match (tells_of("actuator"), tells_of("force")) {
+            (true, true) => Some(
+                "sensors that stand, hum or become noisy, limits of stroke and speed, and play",
+            ),
+            (true, false) => Some(
+                "a displacement transducer that stands, hums or becomes noisy, and limits of stroke and speed",
+            ),
+            (false, true) => Some("a load cell that stands, hums or becomes noisy, and play"),
+            (false, false) => None,
+        }
     }
 
     /// What was corrected for: from when, and by how much in the end.
@@ -246,11 +276,13 @@ impl WatchEvent {
 impl WatchEvent {
     /// Whether it says of the same causes what another one does, whatever their values are by now.
     fn says_the_same(&self, other: &Self) -> bool {
-        let causes = |e: &Self| -> Vec<_> {
-            let own = e.set.iter().map(|c| (c.name, c.side, c.actuator));
-            own.collect()
-        };
-        self.state == other.state && causes(self) == causes(other)
+        self.state == other.state && self.causes() == other.causes()
+    }
+
+    /// What is in its set, and of which actuator.
+    fn causes(&self) -> Vec<(&'static str, &'static str, Option<usize>)> {
+        let own = self.set.iter().map(|c| (c.name, c.side, c.actuator));
+        own.collect()
     }
 }
 
@@ -288,7 +320,7 @@ impl NamedCause {
 
 #[cfg(test)]
 mod tests {
-    use super::{NamedCause, WatchEvent, WatchReport};
+    use super::{NamedCause, WatchEvent, WatchReport, Watchable};
 
     fn event(t_s: f64, state: &'static str, value: f64) -> WatchEvent {
         let cause = NamedCause {
@@ -311,6 +343,45 @@ mod tests {
             corrected: false,
             held: false,
         }
+    }
+
+    #[test]
+    fn what_is_watched_beside_sizes_is_only_of_what_was_declared() {
+        let outlook = |sides: &[&'static str], gap: &str| {
+            let of = |side: &'static str| Watchable {
+                name: "gain_error",
+                side,
+                actuator: None,
+                least: 0.1,
+                unit: "",
+            };
+            let gap = (!gap.is_empty()).then(|| gap.to_owned());
+            let report = WatchReport {
+                state: "sound",
+                events: Vec::new(),
+                corrections: Vec::new(),
+                diagnosis: None,
+                watchable: sides.iter().copied().map(of).collect(),
+                not_watched: gap.into_iter().collect(),
+            };
+            report.outlook()
+        };
+        let all = outlook(&["actuator"], "");
+        assert!(
+            all.ends_with("limits of stroke and speed, and play."),
+            "{all}"
+        );
+        let forces = outlook(&["force"], "A gap.");
+        assert!(!forces.contains("stroke"), "{forces}");
+        assert!(forces.ends_with("noisy, and play. A gap."), "{forces}");
+        let actuators = outlook(&["actuator"], "A gap.");
+        assert!(!actuators.contains("play"), "{actuators}");
+        assert!(actuators.contains("displacement transducer that stands"));
+        let nothing = outlook(&[], "A gap.");
+        assert!(
+            nothing.ends_with("no error by its size. A gap."),
+            "{nothing}"
+        );
     }
 
     #[test]
@@ -341,6 +412,22 @@ mod tests {
             lines[2].contains("12.0 ms") || lines[2].contains("12 ms"),
             "{lines:?}"
         );
+        let said = report.sentence();
+        assert!(
+            said.starts_with("The watch named, first at 8.30 s: delay_error"),
+            "{said}"
+        );
+        // Where another set came first, it says since when it has been this one.
+        let mut other = event(8.2, "named", 9.0);
+        other.set.push(NamedCause {
+            name: "coulomb_friction",
+            ..other.set[0].clone()
+        });
+        report.events.insert(1, other);
+        let said = report.sentence();
+        let begins = "The watch named, first at 8.20 s and as follows since 8.30 s: delay_error";
+        assert!(said.starts_with(begins), "{said}");
+        report.events.remove(1);
         // What changed at the end has been so since then.
         report.events.push(event(31.0, "sound", 0.0));
         assert_eq!(report.lines()[3], "sound since 31.00 s");

@@ -137,25 +137,80 @@ fn can_be_told(model: &Model, actuator: bool) -> bool {
     }
 }
 
-/// What is not watched, and what would do: one short sentence, since every run of a rig that nobody declared says it.
+/// What is not watched, what is for all that, and what it would take: one sentence, since every run of a rig that nobody declared
+/// says it.
 pub(super) fn gaps(d: &Declared) -> Vec<String> {
-    const ACTUATOR: &str = "[declared.actuator] with gain, delay, lag and offset alone";
+    const ACTUATOR: &str = "[declared.actuator] with gain, delay, lags and offset alone";
     let said = match (d.has_actuator, d.has_specimen, d.alone) {
         (true, true, _) => return Vec::new(),
-        (true, false, true) => {
-            "The specimen is not watched: that takes declared.specimen.stiffness_n_per_mm without effects."
-                .to_owned()
-        }
-        (true, false, false) => {
-            "The specimen is not watched: the force of a floor depends on its neighbours."
-                .to_owned()
-        }
-        (false, true, _) => format!("The actuator is not watched: that takes {ACTUATOR}."),
-        (false, false, true) => "Actuator and specimen are not watched: nothing that the watch can use is declared of them ([declared])."
+        (true, false, true) => "Between displacement and force only noise, hum, play and a load cell that stands are watched: more takes \
+             declared.specimen.stiffness_n_per_mm with no effects but gain_error and yielding."
             .to_owned(),
-        (false, false, false) => {
-            format!("Actuators and specimen are not watched: the former take {ACTUATOR}.")
-        }
+        (true, false, false) => "Of the forces only noise and hum are watched, not play or a load cell that stands: the force of a floor \
+             depends on its neighbours."
+            .to_owned(),
+        (false, true, _) => format!(
+            "Between command and displacement only noise and hum are watched, not a displacement transducer that stands: that takes \
+             {ACTUATOR}."
+        ),
+        (false, false, true) => "[declared] has nothing that the watch can use: only noise, hum, play and a load cell that stands are \
+             watched, not a displacement transducer that stands."
+            .to_owned(),
+        (false, false, false) => format!(
+            "Only noise and hum are watched, not play or a sensor that stands: the actuators take {ACTUATOR}, and the force of a floor \
+             depends on its neighbours."
+        ),
     };
     vec![said]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Scales, gaps, of_model};
+    use diagnosis::Model;
+    use outerloop_core::watch::Declared;
+
+    /// What is said where so much is declared; `alone`: of a structure of one floor.
+    fn said([has_actuator, has_specimen]: [bool; 2], alone: bool) -> String {
+        let scales = Scales {
+            rate_hz: 2000.0,
+            omega_rad_per_s: 6.0,
+            peak_m: 0.04,
+            stiffness_n_per_m: 158e3,
+            alone,
+            expected_ms: 0.0,
+            noise: [0.0; 2],
+        };
+        let declared = Declared {
+            has_actuator,
+            has_specimen,
+            ..of_model(&Model::default(), &scales)
+        };
+        gaps(&declared).join(" ")
+    }
+
+    #[test]
+    fn what_is_watched_for_all_that_stands_beside_what_is_not() {
+        assert_eq!(said([true; 2], true), "");
+        for (declared, alone) in [
+            ([true, false], true),
+            ([true, false], false),
+            ([false, true], true),
+            ([false; 2], true),
+            ([false; 2], false),
+        ] {
+            let said = said(declared, alone);
+            // Neither takes a model.
+            assert!(said.contains("noise") && said.contains("hum"), "{said}");
+            // Nor do these, where an actuator moves its specimen alone.
+            let of_force = alone && !declared[1];
+            let watched = "hum, play and a load cell that stands are";
+            assert_eq!(said.contains(watched), of_force, "{said}");
+            // A reading that stands is told from an actuator that does by what the actuator should do.
+            let none = "not a displacement transducer that stands";
+            let neither = "not play or a sensor that stands";
+            let stands_unseen = said.contains(none) || said.contains(neither);
+            assert_eq!(stands_unseen, !declared[0], "{said}");
+        }
+    }
 }
