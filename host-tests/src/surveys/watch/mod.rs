@@ -69,7 +69,9 @@ impl Lot {
 /// One effect in mid-test; in one test of ten two.
 fn in_mid_test(i: u64, rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::DrawnEffect> {
     let first = effect::DrawnEffect::new(rig, draw);
-    let second = (i % TWO_IN == 0).then(|| effect::DrawnEffect::new(rig, draw));
+    let second = i
+        .is_multiple_of(TWO_IN)
+        .then(|| effect::DrawnEffect::new(rig, draw));
     let second = second.filter(|s| s.kind != first.kind);
     std::iter::once(first).chain(second).collect()
 }
