@@ -13,7 +13,7 @@ use experiment::judged::JudgedRun;
 use experiment::numbers::percent;
 use experiment::rig::{declared, improvement};
 use experiment::summary::{self, GOOD_EPS_RMS};
-use experiment::trace::{Response, TestObserver};
+use experiment::trace::{Response, TestObserver, Trace};
 use outerloop_core::Config;
 use outerloop_core::config::Filter;
 use plant::Channel;
@@ -73,6 +73,41 @@ pub trait TestSite {
     fn play(&self, test: &TestFile, signal: &SignalPoints, seed: u64) -> Result<Played, Failure>;
 }
 
+/// The first test, on the rig as it is: it is there whatever becomes of the rest.
+#[derive(Clone, Debug)]
+pub struct FirstTest {
+    experiment: Experiment,
+    ideal: Response,
+    run: JudgedRun,
+}
+
+impl FirstTest {
+    /// Runs it.
+    ///
+    /// # Errors
+    /// A test that cannot run.
+    pub fn run(
+        experiment: Experiment,
+        site: &impl TestSite,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let method = experiment.test.config.compensation.kind;
+        let ideal = experiment.ideal()?;
+        let run = site.run(&experiment, method, &ideal, seed, true, progress.observer())?;
+        Ok(Self {
+            experiment,
+            ideal,
+            run,
+        })
+    }
+
+    /// Its record.
+    pub fn trace(&self) -> Option<&Trace> {
+        self.run.trace.as_ref()
+    }
+}
+
 /// A test that was designed since a diagnosis had left something open.
 #[derive(Clone, Debug)]
 pub struct DesignedTest {
@@ -112,21 +147,24 @@ pub struct Improvement {
 }
 
 impl Improvement {
-    /// Tells it. `model` is what is declared.
+    /// What follows from a first test. `model` is what is declared.
     ///
     /// # Errors
-    /// A test that cannot run, a record that cannot be judged.
+    /// A test that cannot run or was stopped, a record that cannot be judged.
     pub fn of(
-        experiment: Experiment,
+        first: FirstTest,
         model: &Model,
         site: &impl TestSite,
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, Failure> {
+        let FirstTest {
+            experiment,
+            ideal,
+            run,
+        } = first;
         let method = experiment.test.config.compensation.kind;
-        let ideal = experiment.ideal()?;
-        let before =
-            ran(site.run(&experiment, method, &ideal, seed, true, progress.observer())?)?;
+        let before = ran(run)?;
         let (train, held_out) = split_record(&experiment, &before)?;
         let (mut train, held_out) = (vec![train], vec![held_out]);
         let first = ask(model, &train, &held_out)?;

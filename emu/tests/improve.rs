@@ -13,7 +13,7 @@ use experiment::trace::{Response, TestObserver, Trace};
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, Trajectory, calibrate};
-use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
+use outerloop_cli::improve::{FirstTest, Improvement, ImprovementOutcome, TestSite};
 use outerloop_cli::terminal::Progress;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -147,7 +147,8 @@ fn story(text: &str) -> Improvement {
     let experiment = Experiment::new(test, &near_fault(), None).unwrap();
     let boards = Boards::default();
     let progress = Progress::over("near-fault", Improvement::steps(&experiment) as u64);
-    let story = Improvement::of(experiment, &declared, &boards, 1, &progress).unwrap();
+    let first = FirstTest::run(experiment, &boards, 1, &progress).unwrap();
+    let story = Improvement::of(first, &declared, &boards, 1, &progress).unwrap();
     // The one without it runs on another.
     assert_eq!(boards.others.get(), 1);
     story

@@ -138,6 +138,20 @@ impl<P: Port> Connection<P> {
         if self.steps.is_empty() {
             self.receive()?;
         }
+        self.show_life()?;
+        Ok(self.steps.pop_front())
+    }
+
+    /// Keeps the telemetry that comes, and shows the board that the PC is there, while something else is waited for.
+    ///
+    /// # Errors
+    /// The link is gone.
+    pub fn listen(&mut self) -> Result<(), Failure> {
+        self.receive()?;
+        self.show_life()
+    }
+
+    fn show_life(&mut self) -> Result<(), Failure> {
         if self.steps_since_heartbeat >= HEARTBEAT_STEPS
             || self.port.now().saturating_sub(self.last_heartbeat) >= HEARTBEAT_INTERVAL
         {
@@ -148,7 +162,7 @@ impl<P: Port> Connection<P> {
                 self.send(&wire)?;
             }
         }
-        Ok(self.steps.pop_front())
+        Ok(())
     }
 
     /// The steps that have come by now; waits some milliseconds where none has.

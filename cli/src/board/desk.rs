@@ -257,6 +257,9 @@ fn configure(board: &mut BoardConnection, experiment: &Experiment) -> Result<(),
 fn pass(board: &mut BoardConnection, steps: u32) -> Result<(), Failure> {
     let mut seen = 0;
     while seen < steps {
+        if interrupt::asked() {
+            return Err(Failure::test("given up"));
+        }
         seen += board.steps()?.len() as u32;
     }
     Ok(())
@@ -391,15 +394,15 @@ fn give_up(board: &mut BoardConnection) {
     forget(board);
 }
 
-/// A running test in which `happens` comes; how the board is behind it.
+/// A running test in which `happens` comes, while it listens to the board; how the board is behind it.
 pub fn mishap(
     board: &mut BoardConnection,
     (mishap, name, leaves): (Mishap, &str, Leaves),
-    happens: impl FnOnce(Mishap) -> Result<(), Failure>,
+    happens: impl FnOnce(Mishap, &mut BoardConnection) -> Result<(), Failure>,
 ) -> DeskRow {
     let found = (|| {
         run_until_moving(board)?;
-        happens(mishap)?;
+        happens(mishap, board)?;
         match leaves {
             Leaves::Start(started, cause) => {
                 until_reset(board)?;

@@ -2,7 +2,7 @@
 
 use super::look_at_page;
 use crate::answer::{TestSection, of_demo};
-use crate::improve::Improvement;
+use crate::improve::{FirstTest, Improvement};
 use crate::terminal::Progress;
 use crate::verb::rig_arguments::RigArguments;
 use experiment::Experiment;
@@ -41,13 +41,9 @@ fn undeclared() -> Result<Improvement, Failure> {
         "tests and diagnosis",
         Improvement::steps(&experiment) as u64,
     );
-    Improvement::of(
-        experiment,
-        &model,
-        &RigArguments::default(),
-        SEED,
-        &progress,
-    )
+    let rig = RigArguments::default();
+    let first = FirstTest::run(experiment, &rig, SEED, &progress)?;
+    Improvement::of(first, &model, &rig, SEED, &progress)
 }
 
 impl Demo {

@@ -4,15 +4,15 @@ use super::rig_arguments::{RigArguments, RigKind};
 use super::{CommonArguments, hand_over_tests, json, require_all_ran};
 use crate::answer::of_improvements;
 use crate::designed_test;
-use crate::improve::{DESIGNED, Improvement, ImprovementOutcome};
+use crate::improve::{DESIGNED, FirstTest, Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
 use crate::terminal::{Progress, interrupt};
 use diagnosis::{Diagnosis, Model};
 use experiment::failure::Failure;
-use experiment::files::{look_ahead, model, record_csv};
+use experiment::files::{look_ahead, model, output, record_csv};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Run a test, diagnose its record, play designed tests for what stays open, and run the test again with what was
 /// found
@@ -78,7 +78,7 @@ impl Improve {
         let mut stories = Vec::new();
         interrupt::watch();
         for file in &files {
-            match self.improve_test(file) {
+            match self.improve_test(file, out) {
                 Ok(story) => stories.push(story),
                 // What the tests before have left is kept.
                 Err(stopped) if interrupt::asked() => {
@@ -122,7 +122,7 @@ impl Improve {
         }
     }
 
-    fn improve_test(&self, file: &std::path::Path) -> Result<Improvement, Failure> {
+    fn improve_test(&self, file: &Path, out: Option<&Path>) -> Result<Improvement, Failure> {
         let test = self.common.load_other(file)?;
         let declared = match &self.model {
             Some(path) => model::load(path)?,
@@ -136,13 +136,25 @@ impl Improve {
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
         let progress = Progress::over(&experiment.record, Improvement::steps(&experiment) as u64);
-        Improvement::of(
-            experiment,
-            &declared,
-            &self.place,
-            self.common.seed,
-            &progress,
-        )
+        let (place, seed) = (&self.place, self.common.seed);
+        let first = FirstTest::run(experiment, place, seed, &progress)?;
+        let told = Improvement::of(first.clone(), &declared, place, seed, &progress);
+        told.inspect_err(|_| keep_first(&first, file, out))
+    }
+}
+
+/// What the first test has left is kept where nothing comes of it: its specimen may not be there a second time.
+fn keep_first(first: &FirstTest, file: &Path, out: Option<&Path>) {
+    let (Some(trace), Some(folder)) = (first.trace(), out) else {
+        return;
+    };
+    let name = format!("{}-record.csv", stem(file));
+    match output::write_all(folder, &[(&name, record_csv::to_csv(trace))]) {
+        Ok(()) => eprintln!(
+            "outerloop: the record of the first test is kept: {}",
+            folder.join(name).display()
+        ),
+        Err(failure) => eprintln!("outerloop: {failure}"),
     }
 }
 
@@ -186,7 +198,7 @@ fn written(tests: &[PathBuf]) -> Vec<String> {
 }
 
 /// What the files of a test begin with.
-fn stem(test: &std::path::Path) -> String {
+fn stem(test: &Path) -> String {
     let stem = test.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }

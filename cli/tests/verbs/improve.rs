@@ -243,6 +243,25 @@ fn what_only_the_held_out_part_of_a_test_shows_is_not_called_nothing() {
 }
 
 #[test]
+fn the_record_of_a_first_test_of_which_nothing_comes_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(["improve", "examples/undeclared/inertia.toml"])
+        .args(["--duration", "0.2", "--out"])
+        .arg(&out)
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success(), "{said}");
+    assert!(said.contains("samples of test data are too few"), "{said}");
+    let kept = std::fs::read_to_string(out.join("inertia-record.csv")).expect("the record");
+    assert!(kept.lines().count() > 300, "{said}");
+    assert!(!out.join("report.html").exists());
+}
+
+#[test]
 fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
     // The specimen is stiffer than was declared. The force channel cannot tell that from a load cell that reads too
     // much; the test that follows can.

@@ -45,7 +45,7 @@ enum Survey {
         write: Option<PathBuf>,
         /// Which test of its lot, from 0
         #[arg(long, default_value_t = 0, requires = "write")]
-        test: u64,
+        number: u64,
         /// Of which lot
         #[arg(long, value_enum, default_value_t = watch::Lot::Sound, requires = "write")]
         lot: watch::Lot,
@@ -86,10 +86,10 @@ fn main() -> ExitCode {
         Survey::Monitor { tests } => monitor(tests as usize, &arguments),
         Survey::Watch {
             write: Some(ref folder),
-            test,
+            number,
             lot,
             ..
-        } => write_test(folder, arguments.seed, (lot, test)),
+        } => write_test(folder, arguments.seed, (lot, number)),
         Survey::Watch { sound, faulty, .. } => rig_watch([sound, faulty], &arguments),
         Survey::Records => records(&arguments),
     };
@@ -209,7 +209,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     println!("false names (--lot sound):");
     for (i, trial) in sound.iter().enumerate().filter(|(_, t)| t.counts) {
         if let Some(named) = &trial.named {
-            println!("  --test {i}, {}: {named}", trial.kind);
+            println!("  --number {i}, {}: {named}", trial.kind);
         }
     }
     println!("made worse by a correction (--lot mid-test):");
@@ -219,7 +219,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     for (i, trial) in faulty.iter().enumerate().filter(worse) {
         let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);
         let (rig, kind) = (&trial.rig, trial.kind.name());
-        println!("  --test {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %");
+        println!("  --number {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %");
     }
     Ok(reached)
 }

@@ -1,15 +1,40 @@
 //! A board on the desk that saves until a sector of its flash is erased, on this machine.
 
-use crate::board_link::{loopback, test};
+use crate::board_link::{QUICK, loopback, test};
+use experiment::failure::Failure;
+use firmware::sim::CODES;
 use firmware::station::{Flash, Ring, TEST_BYTES};
 use host_tests::loopback::{FaultInjection, Loopback};
-use outerloop_cli::board::desk::{self, DeskRow, RowVerdict};
-use outerloop_cli::board::{BoardConnection, Connection, Port, Timeouts};
+use link::status::StartCause;
+use outerloop_cli::board::desk::{self, DeskRow, Leaves, Mishap, RowVerdict};
+use outerloop_cli::board::{BoardConnection, Connection, Port, Timeouts, status};
 use outerloop_core::Config;
 use std::cell::RefCell;
 use std::pin::pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
+
+#[test]
+fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
+    let mut loopback = loopback(&test(&["plant.actuator.delay_ms=0.5"]));
+    loopback.board.hardware.board.wired = [desk::calibration(&CODES)];
+    let port: Box<dyn Port> = Box::new(loopback);
+    let mut board: BoardConnection = Connection::new(port, QUICK);
+    let expected = (
+        Mishap::Reset,
+        "a reset",
+        Leaves::Start(StartCause::Pin, None),
+    );
+    let row = desk::mishap(&mut board, expected, |_, board| {
+        // 300 looks of 20 steps, 3 s: the board gives up after half a one.
+        for _ in 0..300 {
+            board.listen()?;
+        }
+        let now = status(board)?;
+        Err(Failure::test(format!("{}", now.state.name())))
+    });
+    assert_eq!(row.found, "running");
+}
 
 /// A control period at 2 kHz, in cycles.
 const PERIOD_CYCLES: u32 = 84_000;

@@ -212,6 +212,9 @@ impl Desk {
     fn mishaps(&self) -> Result<Vec<DeskRow>, Failure> {
         let mut rows = Vec::new();
         for expected in MISHAPS {
+            if interrupt::asked() {
+                break;
+            }
             let (mishap, name, ..) = expected;
             rows.push(match (&self.probe, self.is_emulated()) {
                 (None, false) => DeskRow::not_done(
@@ -220,10 +223,10 @@ impl Desk {
                 ),
                 (probe, _) => {
                     let mut board = self.connect(Some(mishap))?;
-                    desk::mishap(&mut board, expected, |mishap| match probe {
+                    desk::mishap(&mut board, expected, |mishap, board| match probe {
                         // The laboratory of the emulated board does it by itself.
                         None => Ok(()),
-                        Some(program) => by_probe(program, mishap),
+                        Some(program) => by_probe(program, mishap, board),
                     })
                 }
             });
@@ -232,17 +235,26 @@ impl Desk {
     }
 }
 
-fn by_probe(program: &std::path::Path, mishap: Mishap) -> Result<(), Failure> {
+/// A probe takes its time, and a board that hears nothing from the PC for half a second gives it up.
+fn by_probe(
+    program: &std::path::Path,
+    mishap: Mishap,
+    board: &mut BoardConnection,
+) -> Result<(), Failure> {
     let arguments = match mishap {
         Mishap::Drill(number) => vec!["drill".into(), number.to_string()],
         Mishap::Reset => vec!["reset".into()],
     };
     let called = format!("{} {}", program.display(), arguments.join(" "));
     let cannot = |why: String| Failure::test(format!("--probe: `{called}`: {why}"));
-    let ended = Command::new(program)
-        .args(&arguments)
-        .status()
-        .map_err(|e| cannot(e.to_string()))?;
+    let started = Command::new(program).args(&arguments).spawn();
+    let mut running = started.map_err(|e| cannot(e.to_string()))?;
+    let ended = loop {
+        if let Some(ended) = running.try_wait().map_err(|e| cannot(e.to_string()))? {
+            break ended;
+        }
+        board.listen()?;
+    };
     ended
         .success()
         .then_some(())
