@@ -16,6 +16,8 @@ pub struct Score<'a> {
     pub control_steps: usize,
     /// Integration steps that were compared.
     pub compared: usize,
+    /// Of these those in which a floor's command was known.
+    compared_floor: [usize; MAX_DOF],
     largest_m: [f64; MAX_DOF],
     largest_late_m: [f64; MAX_DOF],
     square_m2: [f64; MAX_DOF],
@@ -43,6 +45,7 @@ impl<'a> Score<'a> {
             late_from: (ideal.steps() as f64 * LATE_SHARE) as usize,
             control_steps: 0,
             compared: 0,
+            compared_floor: [0; MAX_DOF],
             largest_m: [0.0; MAX_DOF],
             largest_late_m: [0.0; MAX_DOF],
             square_m2: [0.0; MAX_DOF],
@@ -63,8 +66,8 @@ impl<'a> Score<'a> {
 
     /// Eq 18, floor by floor.
     pub fn eps_rms(&self) -> Vec<f64> {
-        let n = self.compared.max(1) as f64;
-        self.relative(&self.square_m2.map(|s| (s / n).sqrt()))
+        let mean_m2 = |j: usize| self.square_m2[j] / self.compared_floor[j].max(1) as f64;
+        self.relative(&std::array::from_fn(|j| mean_m2(j).sqrt()))
     }
 
     /// True if, towards its end, the error of some floor was larger than its largest ideal displacement, or the test went
@@ -102,11 +105,12 @@ impl TestObserver for Score<'_> {
         let Some(ideal) = self.ideal.at(step) else {
             return;
         };
-        // Of a step that was lost on its way from a board not every command is known.
-        if r.command_m.iter().any(|m| m.is_nan()) {
-            return;
-        }
         for j in 0..r.command_m.len() {
+            // Behind a step that was lost on its way from a board the commands of the upper floors are not known.
+            if r.command_m[j].is_nan() {
+                continue;
+            }
+            self.compared_floor[j] += 1;
             let error = f64::from(r.command_m[j]) - f64::from(ideal[j]);
             self.square_m2[j] += error * error;
             let error = error.abs();

@@ -202,7 +202,9 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 Ok(Some(ended)) => break (ended, None),
                 Err(failure) => {
                     // What came is kept. Perhaps the board hears what the PC says, though the PC does not hear the board.
-                    let _ = event(self.board, Event::Stop);
+                    if event(self.board, Event::Stop).is_ok() {
+                        let _ = self.in_force.until_still(self.board);
+                    }
                     break (Mode::Tripped, Some(failure.to_string()));
                 }
             }
@@ -216,15 +218,12 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
     fn go_on(&mut self, observer: &mut dyn TestObserver) -> Result<Option<Mode>, Failure> {
         // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
         let interrupted = interrupt::asked();
+        let before = self.in_force.steps();
         let record = self.in_force.next(self.board)?;
         self.see(record, observer);
-        let asked = observer.requested_event();
-        // Before the next step: what is asked for may have to be in force in it.
-        self.in_force.be_judged(observer);
-        match asked {
-            Some(Event::Stop) => self.end(Event::Stop)?,
-            Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked)?,
-            _ => {}
+        // An observer counts steps by being asked.
+        if self.in_force.steps() > before {
+            self.do_as_asked(observer)?;
         }
         // The record on the board is at most some steps longer than the test.
         if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
@@ -239,6 +238,18 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
         }
         self.hold_or_go_on(state)?;
         Ok(None)
+    }
+
+    /// What an observer asks for behind a step.
+    fn do_as_asked(&mut self, observer: &mut dyn TestObserver) -> Result<(), Failure> {
+        let asked = observer.requested_event();
+        // Before the next step: what is asked for may have to be in force in it.
+        self.in_force.be_judged(observer);
+        match asked {
+            Some(Event::Stop) => self.end(Event::Stop),
+            Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked),
+            _ => Ok(()),
+        }
     }
 
     /// Shows the observer a record, if one came.
@@ -277,9 +288,16 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 self.operator.ask_to_go_on();
             }
         }
-        let held = matches!(self.phase, Phase::Held);
-        if held && self.operator.is_asked() && self.operator.agrees()? {
-            self.in_force.ask_for(self.board, Event::Start)?;
+        if !matches!(self.phase, Phase::Held) || !self.operator.is_asked() {
+            return Ok(());
+        }
+        match self.operator.agrees() {
+            Ok(true) => self.in_force.ask_for(self.board, Event::Start)?,
+            Ok(false) => {}
+            Err(gone) => {
+                eprintln!("outerloop: {gone}");
+                self.end(Event::Stop)?;
+            }
         }
         Ok(())
     }

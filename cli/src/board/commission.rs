@@ -27,7 +27,7 @@ const REST_STEPS: u32 = 40;
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Steps by which a signal may be shorter than it was to be: its first and its last.
+/// Steps by which a signal may be shorter than it was to be, from the order to its end.
 const SHORT_STEPS: usize = 4;
 
 fn given_up() -> Failure {
@@ -216,8 +216,8 @@ impl SingleActuator {
         board: &mut Connection<P>,
         observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
-        event(board, Event::Start)?;
-        let (mut stopped, mut steps) = (false, 0);
+        let started = event(board, Event::Start)?;
+        let mut stopped = false;
         let mut played = Played::new();
         let mut begin = None;
         let (early, finished) = loop {
@@ -239,7 +239,6 @@ impl SingleActuator {
             match step.mode() {
                 Some(Mode::Commissioning) => {
                     let begin = *begin.get_or_insert(tick);
-                    steps = tick.wrapping_sub(begin) as usize + 1;
                     let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
                     let ([displacement_m], [force_n]) = (record.displacement_m, record.force_n);
                     played.add_at(time_s, step.command_m, displacement_m, force_n);
@@ -247,6 +246,7 @@ impl SingleActuator {
                 }
                 Some(Mode::Finished) => {
                     let by_hand = stopped.then(|| Played::BY_HAND.to_owned());
+                    let steps = tick.wrapping_sub(started) as usize;
                     break (by_hand.or_else(|| self.cut_short(steps)), true);
                 }
                 Some(Mode::Tripped) => break (Some(self.tripped(board, step.fault())), false),
@@ -266,12 +266,8 @@ impl SingleActuator {
 
     /// That the signal has fewer steps than it was to have.
     fn cut_short(&self, steps: usize) -> Option<String> {
-        (steps + SHORT_STEPS < self.steps).then(|| {
-            format!(
-                "it ended after {steps} of {} steps: the board's button ends it",
-                self.steps
-            )
-        })
+        // Nothing else ends one that has not tripped.
+        (steps + SHORT_STEPS < self.steps).then(|| Played::BY_BUTTON.to_owned())
     }
 
     /// Permission goes when the command stands. Why it does not come to that, if it trips on its way.

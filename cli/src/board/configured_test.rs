@@ -24,9 +24,10 @@ use outerloop_core::{Event, Fault, Mode, Record};
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
 
-/// Steps for which the commands have to stand after the end, and where the PC knows the first alone: as long as a ramp.
+/// Steps for which the commands have to stand after the end, and where the PC knows the first alone: longer than any ramp, which is
+/// 2 s at most.
 const REST_STEPS: u32 = 40;
-const UNSEEN_REST_STEPS: u32 = 2000;
+const UNSEEN_REST_STEPS: u32 = 10_000;
 
 /// A test from its configuration to its end.
 pub struct ConfiguredTest<'a, const N: usize> {
@@ -72,6 +73,11 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     /// What the loop was doing in the last step.
     pub fn mode(&self) -> Mode {
         self.state
+    }
+
+    /// Steps seen since the test is in force.
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// What the board has tripped on, by its telemetry.
@@ -159,6 +165,8 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         step: &StepReport,
     ) -> Result<bool, Failure> {
         if self.ticks.take(tick).is_none() {
+            // It has no test, and nothing has to come to rest.
+            self.state = Mode::Idle;
             return Err(started_again(board));
         }
         let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
@@ -265,9 +273,10 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
             self.next(board)?;
             if interrupt::asked() {
                 self.ask_for(board, Event::Stop)?;
-                return Err(Failure::test(
-                    "the approach to the start was given up, and the board is idle",
-                ));
+                let now = status(board)?.state.name();
+                return Err(Failure::test(format!(
+                    "the approach to the start was given up, and the board is {now}"
+                )));
             }
             match self.state {
                 Mode::Armed if self.command_m == 0.0 => return Ok(()),
@@ -302,14 +311,14 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
             .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
         loop {
             let given_up = match operator.agrees() {
+                _ if !self.mirror.is_in_step() => Some(Failure::test(
+                    "what the board does could not be worked out again before the start, as it is where steps are lost on their way: \
+                     the test was given up; accepted is a PC that keeps up with the board, not one that sleeps",
+                )),
                 Ok(true) => return Ok(()),
                 Ok(false) if interrupt::asked() => {
                     Some(Failure::test("the test was given up before its start"))
                 }
-                Ok(false) if !self.mirror.is_in_step() => Some(Failure::test(
-                    "steps were lost between the board and the PC before the start, and what runs could not be worked out again: \
-                     the test was given up; accepted is a PC that keeps up with the board, not one that sleeps",
-                )),
                 Ok(false) => None,
                 Err(gone) => Some(gone),
             };

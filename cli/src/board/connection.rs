@@ -52,8 +52,9 @@ pub struct Connection<P> {
     /// A reply came that this program cannot read: of the same version of the link, and of newer firmware.
     foreign: bool,
     steps: VecDeque<(u32, StepReport)>,
-    /// When the last byte came, by the port's time.
+    /// When the last frame came, by the port's time, and when somebody looked last.
     heard: Duration,
+    looked: Duration,
     last_heartbeat: Duration,
     steps_since_heartbeat: u32,
 }
@@ -77,6 +78,7 @@ impl<P: Port> Connection<P> {
             foreign: false,
             steps: VecDeque::new(),
             heard: now,
+            looked: now,
             last_heartbeat: now,
             steps_since_heartbeat: 0,
         }
@@ -208,19 +210,18 @@ impl<P: Port> Connection<P> {
     fn receive(&mut self) -> Result<(), Failure> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
-        let silent = self.port.now().saturating_sub(self.heard);
-        if silent > self.timeouts.silence * ATTEMPTS {
-            return Err(Failure::test(format!(
-                "the link to the board is lost: nothing that can be read came for {:.0} s",
-                silent.as_secs_f64()
-            )));
+        let now = self.port.now();
+        // While nobody looked, nobody was silent.
+        if now.saturating_sub(self.looked) > self.timeouts.silence {
+            self.heard = now;
         }
+        self.looked = now;
         for &byte in bytes.get(..count).unwrap_or(&[]) {
             let Some(frame) = self.decoder.push(byte) else {
                 continue;
             };
             // Noise on a line that is open is nobody.
-            self.heard = self.port.now();
+            self.heard = now;
             self.frames.take(frame.sequence);
             match frame.kind {
                 FrameKind::Telemetry => {
@@ -240,6 +241,13 @@ impl<P: Port> Connection<P> {
                 },
                 FrameKind::Command => {}
             }
+        }
+        let silent = now.saturating_sub(self.heard);
+        if silent > self.timeouts.silence * ATTEMPTS {
+            return Err(Failure::test(format!(
+                "the link to the board is lost: nothing that can be read came for {:.0} s",
+                silent.as_secs_f64()
+            )));
         }
         Ok(())
     }

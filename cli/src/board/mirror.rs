@@ -289,7 +289,8 @@ impl<'a, const N: usize> Mirror<'a, N> {
         }
     }
 
-    /// What the telemetry itself says of a step: the first actuator's command, and of no other; readings as they are.
+    /// What the telemetry itself says of a step: the first actuator's target, and not what a predictor sent for it; readings as they
+    /// are.
     fn as_reported(&self, tick: u32, report: &StepReport) -> Record<N> {
         let mut record = Record::<N>::EMPTY;
         record.tick = tick.wrapping_sub(self.ahead);
@@ -297,6 +298,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
         record.flags = report.flags;
         record.command_m = [f32::NAN; N];
         record.command_m[0] = report.command_m;
+        record.sent_m = [f32::NAN; N];
         (record.displacement_m, record.force_n) = self.read(report);
         record.estimated_displacement_m = record.displacement_m;
         record.estimated_force_n = record.force_n;

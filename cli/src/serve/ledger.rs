@@ -90,7 +90,7 @@ pub struct SessionSummary {
     pub reason: Option<String>,
     /// Name of the fault.
     pub trip: Option<&'static str>,
-    /// The PERMIT line after it: false, whatever has happened.
+    /// The PERMIT line after it; true, too, where a board is silent and nobody knows.
     pub permit: bool,
     /// Targets that were reached and answered.
     pub targets: usize,

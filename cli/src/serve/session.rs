@@ -143,7 +143,7 @@ const FAREWELL_S: f64 = 3.0;
 
 impl Served {
     /// Answers NaN to whatever the client still asks, until it leaves. OpenSees 3.7 never notices a connection that is
-    /// closed: it would wait for ever, at full load. The rig has no permission to move by now.
+    /// closed: it would wait for ever, at full load. The rig has no permission to move by now, or says nothing.
     pub fn answer_nan_until_gone(self) {
         let Some(mut wire) = self.wire else { return };
         wire.set_timeout(FAREWELL_S);

@@ -13,7 +13,6 @@ use crate::terminal::interrupt::{self, StopBySignal};
 use crate::terminal::{self, Progress};
 use diagnosis::ForceUnit;
 use experiment::Experiment;
-use experiment::bench::Played;
 use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::measured::in_mm_of;
@@ -187,15 +186,12 @@ impl Run {
             place: self.place.kind(),
             steps: played.steps,
             rate_hz,
-            verdict: match played.early.as_deref() {
+            verdict: match played.early {
                 None => "completed",
-                Some(Played::BY_HAND) => "stopped",
+                Some(_) if played.is_stopped() => "stopped",
                 Some(_) => "tripped",
             },
-            trip: played
-                .early
-                .as_deref()
-                .filter(|why| *why != Played::BY_HAND),
+            trip: played.early.as_deref().filter(|_| !played.is_stopped()),
             peak_displacement_m: played.peak_m,
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),

@@ -83,7 +83,7 @@ impl OnBoard {
             ),
             (lost, different) => format!(
                 "{} control steps were received and {lost} lost on the way; the records of {different} hold only what \
-                 the board itself reported.",
+                 the board itself reported, and the errors of floors above the first are of the steps before them.",
                 self.steps_received
             ),
         };

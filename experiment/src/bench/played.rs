@@ -28,6 +28,15 @@ impl Played {
     /// Why a signal ended early that a person has stopped.
     pub const BY_HAND: &str = "it was stopped by hand";
 
+    /// Why one ended early that the board's button has stopped.
+    pub const BY_BUTTON: &str = "the board's button ended it";
+
+    /// True where somebody stopped it.
+    pub fn is_stopped(&self) -> bool {
+        let why = self.early.as_deref();
+        why.is_some_and(|why| [Self::BY_HAND, Self::BY_BUTTON].contains(&why))
+    }
+
     /// Nothing yet.
     pub fn new() -> Self {
         Self {

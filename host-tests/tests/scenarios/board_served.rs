@@ -40,11 +40,14 @@ fn test_with(pace: &str, more: &[&str]) -> TestFile {
     TestFile::parse(text, "t.toml", Path::new(""), &overrides).unwrap()
 }
 
+fn loopback(test: &TestFile) -> Loopback {
+    let storeys = &test.config.structure.stiffness_n_per_m;
+    Loopback::new(Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap())
+}
+
 /// A board that has been calibrated as it is wired, with what goes wrong in it.
 fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover> {
-    let storeys = &test.config.structure.stiffness_n_per_m;
-    let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap();
-    let mut loopback = Loopback::new(rig);
+    let mut loopback = loopback(test);
     prepare(&mut loopback);
     let [wired] = loopback.board.hardware.board.wired;
     let port: Box<dyn Port> = Box::new(loopback);
@@ -151,6 +154,27 @@ fn a_cut_wire_is_told_and_what_came_before_it_is_kept() {
     assert_eq!(trace.len(), summary.steps);
     assert!(trace.len() > 1000, "nothing is lost");
     assert!(summary.board.unwrap().link.is_some());
+}
+
+#[test]
+fn a_board_that_starts_again_under_a_client_is_told_at_once() {
+    let t = test("stop_and_go");
+    let again = t.clone();
+    let mut rig = served(&t, |board| {
+        // On for 10 s before: its steps are as small again 10 s after.
+        for _ in 0..1000 {
+            board.read(&mut [0; 4096]).unwrap();
+        }
+        let fresh: host_tests::loopback::FaultInjection = Box::new(move |b| *b = loopback(&again));
+        board.mishaps.push_back((board.steps + 4000, fresh));
+    });
+    let began = std::time::Instant::now();
+    let (forces, summary, _) = session(&t, rig.as_mut(), &swing(400));
+    assert_eq!(summary.verdict, SessionVerdict::RigLost);
+    let why = summary.reason.unwrap();
+    assert!(why.contains("the board has started again"), "{why}");
+    assert!(!forces.is_empty() && forces.len() < 400 && !summary.permit);
+    assert!(began.elapsed() < Duration::from_secs(5));
 }
 
 #[test]

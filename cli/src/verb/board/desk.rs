@@ -17,7 +17,6 @@ use outerloop_core::Method;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Duration;
 
 /// Show what a bare board with four wires does (docs/desk.md): period, methods, a whole test, saves, crashes; on a page
 #[derive(Args, Debug)]
@@ -161,7 +160,8 @@ impl Desk {
             if interrupt::asked() {
                 return Err(Failure::test("the desk was given up before anything moved"));
             }
-            std::thread::sleep(Duration::from_millis(50));
+            board.listen()?;
+            board.forget_steps();
         }
         Ok(())
     }
