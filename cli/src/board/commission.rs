@@ -188,17 +188,13 @@ impl SingleActuator {
             "the rig stands at zero, armed: Enter starts the signal{which}; Ctrl-C gives it up"
         ));
         loop {
-            let given_up = match operator.agrees() {
+            match operator.lets_start("the signal was given up before its start") {
                 Ok(true) => return Ok(()),
-                Ok(false) if interrupt::asked() => {
-                    Some(Failure::test("the signal was given up before its start"))
+                Ok(false) => {}
+                Err(why) => {
+                    event(board, Event::Stop)?;
+                    return Err(why);
                 }
-                Ok(false) => None,
-                Err(gone) => Some(gone),
-            };
-            if let Some(why) = given_up {
-                event(board, Event::Stop)?;
-                return Err(why);
             }
             let step = self.step(board)?;
             if step.is_some_and(|(_, s)| s.mode() == Some(Mode::Tripped)) {

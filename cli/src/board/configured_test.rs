@@ -310,22 +310,21 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         operator
             .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
         loop {
-            let given_up = match operator.agrees() {
-                _ if !self.mirror.is_in_step() => Some(Failure::test(
+            let asked = match self.mirror.is_in_step() {
+                true => operator.lets_start("the test was given up before its start"),
+                false => Err(Failure::test(
                     "what the board does could not be worked out again before the start, as it is where steps are lost on their way: \
                      the test was given up; accepted is a PC that keeps up with the board, not one that sleeps",
                 )),
-                Ok(true) => return Ok(()),
-                Ok(false) if interrupt::asked() => {
-                    Some(Failure::test("the test was given up before its start"))
-                }
-                Ok(false) => None,
-                Err(gone) => Some(gone),
             };
-            if let Some(why) = given_up {
-                self.send(board, Event::Stop)?;
-                self.until_still(board)?;
-                return Err(why);
+            match asked {
+                Ok(true) => return Ok(()),
+                Ok(false) => {}
+                Err(why) => {
+                    self.send(board, Event::Stop)?;
+                    self.until_still(board)?;
+                    return Err(why);
+                }
             }
             self.next(board)?;
             if self.state == Mode::Tripped {
@@ -345,7 +344,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     pub fn come_to_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
         let (mut standing, mut last_m) = (0, [f32::NAN; N]);
         while matches!(self.state, Mode::Finished | Mode::Stopping) {
-            let steps = if self.mirror.is_in_step() {
+            let steps = if N == 1 || self.mirror.is_in_step() {
                 REST_STEPS
             } else {
                 UNSEEN_REST_STEPS

@@ -1,6 +1,7 @@
 //! The person at the bench: says go before anything moves on its own, goes on after a hold, and stops by Ctrl-C.
 
 use super::standing::{PistonsAt, Standing};
+use crate::terminal::interrupt;
 use experiment::failure::Failure;
 use std::io::{BufRead, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -98,8 +99,19 @@ impl Operator {
             Ok(typed) => Ok(is_enter(&typed)),
             Err(TryRecvError::Empty) => Ok(false),
             Err(TryRecvError::Disconnected) => Err(Failure::test(
-                "the keyboard is gone, so that nobody says that the test may go on: it was stopped",
+                "the keyboard is gone, so that nobody says that it may go on: it was stopped",
             )),
+        }
+    }
+
+    /// The same for something that has not started yet: Ctrl-C gives it up, in the words of `given_up`.
+    ///
+    /// # Errors
+    /// Given up; a keyboard that is gone.
+    pub fn lets_start(&self, given_up: &str) -> Result<bool, Failure> {
+        match self.agrees() {
+            Ok(false) if interrupt::asked() => Err(Failure::test(given_up)),
+            answer => answer,
         }
     }
 

@@ -13,11 +13,9 @@ use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{self, BoardBench, Connection, Operator, Port, Timeouts, Trajectory};
-use outerloop_core::Mode;
 use plant::Rig;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
@@ -41,14 +39,14 @@ pub fn loopback(t: &TestFile) -> Loopback {
 }
 
 /// A connection to a board that has been calibrated as it is wired.
-fn connect(board: Loopback) -> Connection<Loopback> {
+pub fn connect(board: Loopback) -> Connection<Loopback> {
     let [wired] = board.board.hardware.board.wired;
     let mut connection = Connection::new(board, QUICK);
     board::calibrate(&mut connection, wired).unwrap();
     connection
 }
 
-fn run_on(t: &TestFile, board: Loopback) -> Result<JudgedRun, Failure> {
+pub fn run_on(t: &TestFile, board: Loopback) -> Result<JudgedRun, Failure> {
     run_over(t, connect(board))
 }
 
@@ -56,7 +54,7 @@ pub fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<Judge
     run_by(t, connection, Operator::not_asked())
 }
 
-fn run_by(
+pub fn run_by(
     t: &TestFile,
     connection: Connection<impl Port>,
     operator: Operator,
@@ -110,140 +108,6 @@ fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_p
 }
 
 #[test]
-fn a_cut_link_keeps_what_was_received_and_says_so() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    board.mishaps.push_back((9000, Box::new(|b| b.cut = true)));
-    let run = run_on(&t, board).unwrap();
-    assert_eq!(run.summary.trip, Some("link_lost"));
-    let kept = run.trace.unwrap().len();
-    assert!(kept > 3000 && kept < 9000, "{kept}");
-    let said = run.summary.board.unwrap().sentence();
-    assert!(
-        said.contains("What was received is kept; the link to the board is lost"),
-        "{said}"
-    );
-}
-
-/// Its power goes and comes, at this step.
-fn without_power_at(t: &TestFile, step: u64) -> (u64, FaultInjection) {
-    let t = t.clone();
-    (step, Box::new(move |b| *b = loopback(&t)))
-}
-
-#[test]
-fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    board.mishaps.push_back(without_power_at(&t, 9000));
-    let run = run_on(&t, board).unwrap();
-    let (summary, trace) = (run.summary, run.trace.unwrap());
-    assert_eq!(summary.trip, Some("link_lost"));
-    assert!((3000..9000).contains(&trace.len()), "{}", trace.len());
-    let board = summary.board.as_ref().unwrap();
-    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
-    let said = board.sentence();
-    let why = "the board has started again, and what ran on it is over: its power had been away";
-    assert!(said.contains(why), "{said}");
-    // What ends there is the test, and not the time before it.
-    let ended_s = trace.len() as f64 / 2000.0;
-    let told = format!("Tripped on link_lost after {ended_s:.2} s of the laboratory.");
-    assert!(summary.sentence().contains(&told), "{}", summary.sentence());
-}
-
-#[test]
-fn a_line_of_nothing_but_noise_is_a_lost_link_and_what_came_before_is_kept() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    let noise: FaultInjection = Box::new(|b| b.is_noisy = true);
-    board.mishaps.push_back((9000, noise));
-    let run = run_on(&t, board).unwrap();
-    assert_eq!(run.summary.trip, Some("link_lost"));
-    assert!(run.trace.unwrap().len() > 3000);
-    let said = run.summary.board.unwrap().sentence();
-    assert!(said.contains("nothing that can be read came"), "{said}");
-}
-
-#[test]
-fn a_board_that_no_longer_hears_the_pc_trips_and_the_test_is_kept() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    let deaf: FaultInjection = Box::new(|b| b.is_deaf = true);
-    board.mishaps.push_back((9000, deaf));
-    let run = run_on(&t, board).unwrap();
-    // By the telemetry: the board answers no question.
-    assert_eq!(run.summary.trip, Some("link_lost"));
-    assert!(run.trace.unwrap().len() > 3000);
-    let said = run.summary.board.unwrap().sentence();
-    assert!(said.contains("the board does not answer"), "{said}");
-}
-
-#[test]
-fn an_emergency_on_the_ramp_behind_a_test_is_told_and_stands() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    let steps = Arc::new(AtomicU32::new(0));
-    for step in 0..30_000 {
-        let steps = Arc::clone(&steps);
-        let happen = move |b: &mut Loopback| {
-            if b.board.mode() == Mode::Finished && steps.fetch_add(1, Relaxed) == 8 {
-                b.board.hardware.broken.stop_pressed = true;
-            }
-        };
-        board.mishaps.push_back((step, Box::new(happen)));
-    }
-    let run = run_on(&t, board).unwrap();
-    assert_eq!(
-        run.summary.trip,
-        Some("emergency_stop"),
-        "{}",
-        run.summary.sentence()
-    );
-    assert!(run.trace.unwrap().len() > 11_000);
-}
-
-#[test]
-fn a_signal_that_the_boards_button_ends_is_not_called_whole() {
-    let t = test(&["plant.actuator.delay_ms=1"]);
-    let mut board = loopback(&t);
-    let press: FaultInjection = Box::new(|b| b.board.hardware.broken.hold_pressed = true);
-    board.mishaps.push_back((6000, press));
-    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
-    let early = played.early.expect("a signal that was ended");
-    assert_eq!(early, Played::BY_BUTTON);
-    assert!(played.steps > 2000 && played.steps < 10_000);
-}
-
-#[test]
-fn a_board_that_starts_again_in_a_signal_ends_it() {
-    let t = test(&["plant.actuator.delay_ms=1"]);
-    let mut board = loopback(&t);
-    board.mishaps.push_back(without_power_at(&t, 3000));
-    let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
-    let early = played.early.expect("a signal that was ended");
-    assert!(early.contains("has started again"), "{early}");
-}
-
-#[test]
-fn lost_steps_are_counted_and_the_rest_is_kept() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    board
-        .mishaps
-        .push_back((9000, Box::new(|b| b.drop_frames = 3)));
-    let run = run_on(&t, board).unwrap();
-    let board = run.summary.board.as_ref().unwrap();
-    assert_eq!(board.steps_lost, 24);
-    assert_eq!(run.summary.verdict, TestVerdict::Completed);
-    assert_eq!(run.trace.unwrap().len(), 12_000 - 24);
-    assert!(
-        board.sentence().contains("24 lost on the way"),
-        "{}",
-        board.sentence()
-    );
-}
-
-#[test]
 fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit() {
     type Case = (
         &'static str,
@@ -283,44 +147,6 @@ fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit()
         assert!(run.summary.sentence().contains(name));
         assert!(!run.trace.unwrap().is_empty(), "{name}");
     }
-}
-
-/// Runs a test that ends on its ramp, since its energy error is too large; with the emergency stop pressed in the third step of
-/// the ramp, where that is asked for. How many steps the board was on the ramp.
-fn ramped(pressed: bool) -> u32 {
-    let t = test(&["limits.energy_trip=0.002"]);
-    let mut board = loopback(&t);
-    let steps = Arc::new(AtomicU32::new(0));
-    for step in 0..16_000 {
-        let steps = Arc::clone(&steps);
-        let happen = move |b: &mut Loopback| {
-            if b.board.mode() == Mode::Stopping && steps.fetch_add(1, Relaxed) == 2 {
-                b.board.hardware.broken.stop_pressed = pressed;
-            }
-        };
-        board.mishaps.push_back((step, Box::new(happen)));
-    }
-    let run = run_on(&t, board).unwrap();
-    assert_eq!(
-        run.summary.trip,
-        Some("energy_ratio"),
-        "{}",
-        run.summary.sentence()
-    );
-    let board = run.summary.board.as_ref().unwrap();
-    assert_eq!(
-        (board.steps_lost, board.steps_different),
-        (0, 0),
-        "{pressed}"
-    );
-    steps.load(Relaxed)
-}
-
-#[test]
-fn an_emergency_on_the_ramp_ends_it_and_is_worked_out_to_its_last_bit() {
-    let (whole, cut_short) = (ramped(false), ramped(true));
-    assert_eq!(cut_short, 3);
-    assert!(whole > cut_short, "{whole}");
 }
 
 #[test]
@@ -370,7 +196,7 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
 }
 
 /// A trajectory is played to its end by an actuator, with nobody at the board.
-fn chirp() -> CommissioningSignal {
+pub fn chirp() -> CommissioningSignal {
     CommissioningSignal {
         actuator: 0,
         shape: SignalShape::Chirp {
@@ -382,7 +208,7 @@ fn chirp() -> CommissioningSignal {
     }
 }
 
-fn play_to_an_end(
+pub fn play_to_an_end(
     connection: &mut Connection<Loopback>,
     t: &TestFile,
     trajectory: &Trajectory,
@@ -547,37 +373,6 @@ fn a_piston_that_stands_elsewhere_than_it_is_read_is_not_armed() {
         let run = by(Some(said)).unwrap();
         assert_eq!(run.summary.verdict, TestVerdict::Completed, "{said}");
     }
-}
-
-#[test]
-fn a_test_that_is_held_while_the_keyboard_goes_is_stopped() {
-    let t = test(&[]);
-    let mut board = loopback(&t);
-    let (person, go) = channel();
-    let types = |line: &str, person: std::sync::mpsc::Sender<String>| -> FaultInjection {
-        let line = line.to_owned();
-        Box::new(move |_| person.send(line.clone()).unwrap())
-    };
-    let press =
-        |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // The last line has the last end of the keyboard.
-    board.mishaps.extend([
-        (700, types("", person.clone())),
-        (800, types("0.2", person.clone())),
-        (3000, types("", person)),
-        (8000, press(true)),
-        (8200, press(false)),
-    ]);
-    let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
-    let summary = run.summary;
-    assert_eq!(
-        summary.verdict,
-        TestVerdict::Stopped,
-        "{}",
-        summary.sentence()
-    );
-    let board = summary.board.as_ref().unwrap();
-    assert_eq!((summary.trip, board.link.as_ref()), (None, None));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod board_desk;
 mod board_link;
+mod board_mishaps;
 mod board_of_three;
 mod board_served;
 mod comparison_table;

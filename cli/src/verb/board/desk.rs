@@ -156,10 +156,7 @@ impl Desk {
             "the output will move: Enter, if nothing but the four wires of docs/desk.md is connected to the board; Ctrl-C \
              gives it up",
         );
-        while !person.agrees()? {
-            if interrupt::asked() {
-                return Err(Failure::test("the desk was given up before anything moved"));
-            }
+        while !person.lets_start("the desk was given up before anything moved")? {
             board.listen()?;
             board.forget_steps();
         }
