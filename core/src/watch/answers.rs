@@ -1,6 +1,6 @@
 //! What every window says of every regression, in no more memory than its columns take.
 
-use super::regression::{ACTUATOR, Answer, FORCE, WINDOWS};
+use super::regression::{ACTUATOR, Answer, FORCE, LONGEST, WINDOWS};
 
 /// An answer with `M` columns; of no periods where there is none.
 #[derive(Clone, Copy, Debug)]
@@ -8,7 +8,6 @@ struct Kept<const M: usize> {
     theta: [f32; M],
     variance: [f32; M],
     explained: f32,
-    left: f32,
     periods: f32,
 }
 
@@ -17,7 +16,6 @@ impl<const M: usize> Kept<M> {
         theta: [0.0; M],
         variance: [0.0; M],
         explained: 0.0,
-        left: 0.0,
         periods: 0.0,
     };
 
@@ -26,18 +24,17 @@ impl<const M: usize> Kept<M> {
             theta: core::array::from_fn(|j| a.theta[j]),
             variance: core::array::from_fn(|j| a.variance[j]),
             explained: a.explained,
-            left: a.left,
             periods: a.periods,
         })
     }
 
-    fn answer(&self) -> Option<Answer> {
+    fn answer(&self, left: f32) -> Option<Answer> {
         let at = |all: &[f32; M], j: usize| all.get(j).copied().unwrap_or(0.0);
         (self.periods > 0.0).then(|| Answer {
             theta: core::array::from_fn(|j| at(&self.theta, j)),
             variance: core::array::from_fn(|j| at(&self.variance, j)),
             explained: self.explained,
-            left: self.left,
+            left,
             periods: self.periods,
         })
     }
@@ -48,7 +45,9 @@ impl<const M: usize> Kept<M> {
 pub(super) struct Answers {
     actuator: [Kept<8>; WINDOWS],
     force: [Kept<7>; WINDOWS],
-    unloading: [Kept<4>; WINDOWS],
+    unloading: [Kept<5>; WINDOWS],
+    /// What the free fit of each left in the longest window.
+    left: [f32; 3],
 }
 
 impl Answers {
@@ -56,10 +55,14 @@ impl Answers {
         actuator: [Kept::NONE; WINDOWS],
         force: [Kept::NONE; WINDOWS],
         unloading: [Kept::NONE; WINDOWS],
+        left: [0.0; 3],
     };
 
     #[inline(never)] // So is an image some KiB smaller.
     pub(super) fn put(&mut self, window: usize, regression: usize, answer: Option<Answer>) {
+        if window == LONGEST {
+            self.left[regression] = answer.map_or(0.0, |a| a.left);
+        }
         match regression {
             ACTUATOR => self.actuator[window] = Kept::of(answer),
             FORCE => self.force[window] = Kept::of(answer),
@@ -67,13 +70,18 @@ impl Answers {
         }
     }
 
-    /// What a window says of a regression.
+    /// What a window says of a regression; what is left, of the longest alone.
     #[inline(never)] // As above.
     pub(super) fn of(&self, window: usize, regression: usize) -> Option<Answer> {
+        let left = if window == LONGEST {
+            self.left[regression]
+        } else {
+            0.0
+        };
         match regression {
-            ACTUATOR => self.actuator[window].answer(),
-            FORCE => self.force[window].answer(),
-            _ => self.unloading[window].answer(),
+            ACTUATOR => self.actuator[window].answer(left),
+            FORCE => self.force[window].answer(left),
+            _ => self.unloading[window].answer(left),
         }
     }
 

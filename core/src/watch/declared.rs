@@ -67,7 +67,7 @@ const LEAST_STIFFNESS: f64 = 0.025;
 pub(super) struct HalfTolerances {
     pub(super) actuator: [f32; 8],
     pub(super) force: [f32; 7],
-    pub(super) unloading: [f32; 4],
+    pub(super) unloading: [f32; 5],
 }
 
 impl Declared {
@@ -142,7 +142,7 @@ impl Declared {
         HalfTolerances {
             actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2, 0.002].map(to_f32),
             force: [0.004, slope, v, 0.006, 0.004, 0.004, 0.15].map(to_f32),
-            unloading: [slope, v, 0.006, 0.005].map(to_f32),
+            unloading: [slope, v, 0.006, 0.005, 0.04].map(to_f32),
         }
     }
 }

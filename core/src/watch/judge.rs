@@ -36,6 +36,8 @@ pub(super) const BLOCKS_A_ROUND: u8 = 25;
 const MOST_FINDINGS: usize = 8;
 /// Twice the logarithm of the likelihood ratio from which there is a doubt: of the actuator, of the force, of the unloading.
 const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
+/// A cause that has been in the set all the time.
+const ALWAYS: f32 = 65_535.0;
 /// Judgements after which a set that is still the same has settled.
 const SETTLED: u8 = 5;
 /// Rounds in a row; more of them where they began in the first second that is judged, in which few samples tell little.
@@ -72,6 +74,11 @@ const LATE_OFF: f32 = 0.6;
 /// The column of a regression that is the slope of the force.
 fn slope_of(regression: usize) -> usize {
     1 - usize::from(regression == UNLOADING)
+}
+
+/// The column of a regression that is a stiffness which depends on the displacement: the specimen's own.
+fn bend_of(regression: usize) -> usize {
+    if regression == UNLOADING { 4 } else { 6 }
 }
 
 /// Scales of the values.
@@ -125,6 +132,7 @@ impl Constants {
         } else {
             let (role, half) = match regression {
                 FORCE => (column, self.half.force.get(column)?),
+                _ if column == bend_of(regression) => return None,
                 _ => (column + 1, self.half.unloading.get(column)?),
             };
             let (cause, unit) = match role {
@@ -150,7 +158,7 @@ impl Constants {
 pub(super) struct Judge {
     pub(super) state: State,
     pub(super) published: Set,
-    pub(super) findings: Vec<Finding, MOST_FINDINGS>,
+    pub(super) findings: Vec<Finding, MOST_FINDINGS, u8>,
     /// False once the specimen has shown that it is not, whatever was declared.
     pub(super) elastic: bool,
     answers: Answers,
@@ -165,8 +173,8 @@ pub(super) struct Judge {
     rounds: u8,
     /// How what stands out as an offset goes on, between command and displacement and of the force.
     trends: [Trend; 2],
-    /// Share of the last time in which each cause was in the set.
-    member: [f32; Cause::ALL.len()],
+    /// Share of the last time in which each cause was in the set, of [`ALWAYS`].
+    member: [u16; Cause::ALL.len()],
     /// Causes that are no regression's, named in this round.
     heard: Set,
     /// Blocks since the doubt began.
@@ -199,7 +207,7 @@ impl Judge {
             streaks: [0; 3],
             rounds: 0,
             trends: [Trend::NONE; 2],
-            member: [0.0; Cause::ALL.len()],
+            member: [0; Cause::ALL.len()],
             heard: Set::EMPTY,
             doubt: None,
             largest: 0.0,
@@ -387,6 +395,7 @@ impl Judge {
             *streak = if named { streak.saturating_add(1) } else { 0 };
         }
         self.follow_offsets(k);
+        self.soften(k);
         self.rounds = self.rounds.saturating_add(1);
         let settled = |own: &Self, regression: usize| {
             let streak = own.streaks[regression];
@@ -422,6 +431,21 @@ impl Judge {
             0
         };
         before != (self.state, self.published)
+    }
+
+    /// True soon after the motion went further than ever.
+    fn is_recent(&self, k: &Constants) -> bool {
+        (self.since_largest as f32) < NEW_LARGEST * k.blocks_a_period
+    }
+
+    /// A slope of what unloads that has fallen with the largest motion is what was learnt: the specimen degrades.
+    fn soften(&mut self, k: &Constants) {
+        let shortest = self.answers.of(0, UNLOADING);
+        if let Some(now) =
+            shortest.filter(|now| self.is_recent(k) && now.theta[0] < self.learnt[0][0])
+        {
+            self.learnt[0] = [now.theta[0], now.sd(0)];
+        }
     }
 
     /// An offset that is named is followed, by the window that forgets soonest.
@@ -498,9 +522,12 @@ impl Judge {
         let heard = core::mem::take(&mut self.heard);
         let mut set = Set::EMPTY;
         for (member, &cause) in self.member.iter_mut().zip(Cause::ALL) {
-            let now = if heard.has(cause) { 1.0 } else { 0.0 };
-            *member += k.settles * (now - *member);
-            if *member > 0.5 {
+            let (before, now) = (
+                f32::from(*member),
+                if heard.has(cause) { ALWAYS } else { 0.0 },
+            );
+            *member = (before + k.settles * (now - before)) as u16;
+            if f32::from(*member) > 0.5 * ALWAYS {
                 set.add(cause);
             }
         }

@@ -70,7 +70,7 @@ impl Constants {
 struct Window {
     actuator: Normal<8, 36>,
     force: Normal<7, 28>,
-    unloading: Normal<4, 10>,
+    unloading: Normal<5, 15>,
 }
 
 impl Window {
@@ -171,7 +171,7 @@ impl Regressions {
         row: &Row,
         fresh: bool,
         [actuator, elastic]: [bool; 2],
-        unloading: Option<([f32; 4], f32)>,
+        unloading: Option<([f32; 5], f32)>,
     ) {
         let [y, v, a] = row.y;
         let [x, v_x] = row.x;
@@ -181,7 +181,7 @@ impl Regressions {
         let columns = [1.0, x, v_x, a, sign(v_x), -sign(x), x * x * x];
         let force_row = scaled(columns, &half.force);
         let unloads = unloading.map(|(columns, residual)| {
-            let [_, v_x, a, _] = columns;
+            let [_, v_x, a, ..] = columns;
             let residual = residual - k.damping * v_x - k.mass * a;
             (scaled(columns, &half.unloading), residual)
         });

@@ -27,9 +27,9 @@ pub(super) struct Unloading {
 }
 
 impl Unloading {
-    /// Takes a row in. While it unloads: columns way, velocity, acceleration and sign of the velocity, counted from the
-    /// reversal, and the force that the declared stiffness does not explain.
-    pub(super) fn add(&mut self, row: &Row) -> Option<([f32; 4], f32)> {
+    /// Takes a row in. While it unloads: columns way, velocity, acceleration, sign of the velocity and cube of the displacement,
+    /// counted from the reversal, and the force that the declared stiffness does not explain.
+    pub(super) fn add(&mut self, row: &Row) -> Option<([f32; 5], f32)> {
         let sign = if self.rising { 1.0 } else { -1.0 };
         let x = row.x[0];
         if sign * (x - self.furthest.x) >= 0.0 {
@@ -61,7 +61,8 @@ impl Unloading {
         let way = x - from.x;
         // Friction has changed its sign: twice its force.
         let rub = if self.rising { 2.0 } else { -2.0 };
-        let columns = [way, row.x[1], row.y[2] - from.acceleration, rub];
+        let bend = x * x * x - from.x * from.x * from.x;
+        let columns = [way, row.x[1], row.y[2] - from.acceleration, rub, bend];
         Some((columns, row.r - from.r - way))
     }
 }

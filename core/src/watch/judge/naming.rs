@@ -4,8 +4,8 @@ use super::super::hypothesis::Hypothesis;
 use super::super::name::Cause;
 use super::super::regression::{ACTUATOR, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING};
 use super::{
-    Constants, GAIN, Judge, LATE, LATE_OFF, LEARNED, NEW_LARGEST, OFFSET, OFFSET_OFF, OFFSETS,
-    POSSIBLE, SLOPE_OFF, WORSE, slope_of,
+    Constants, GAIN, Judge, LATE, LATE_OFF, LEARNED, OFFSET, OFFSET_OFF, OFFSETS, POSSIBLE,
+    SLOPE_OFF, WORSE, bend_of, slope_of,
 };
 use libm::sqrtf;
 
@@ -90,7 +90,7 @@ impl Judge {
 
     /// Names what is wrong between displacement and force.
     pub(super) fn name_force(&mut self, k: &Constants, regression: usize, best: &Hypothesis) {
-        let recent = (self.since_largest as f32) < NEW_LARGEST * k.blocks_a_period;
+        let recent = self.is_recent(k);
         // What looks like an offset and like friction at once is a specimen that has yielded.
         let looks_like = |column: usize| best.set().any(|c| c == column);
         let yields = looks_like(0) && looks_like(4);
@@ -100,6 +100,9 @@ impl Judge {
             self.elastic = false;
             self.streaks[FORCE] = 0;
             self.answers.forget(FORCE);
+            return;
+        }
+        if self.is_the_specimens_own(regression, best, recent) {
             return;
         }
         for column in best.set() {
@@ -133,8 +136,34 @@ impl Judge {
         })
     }
 
+    /// True if what explains it best is what a sound specimen may do: a stiffness that depends on the displacement, or one that
+    /// falls slowly or with the largest motion. Soon after a new largest motion it is enough that this explains it about as well.
+    fn is_the_specimens_own(&self, regression: usize, best: &Hypothesis, recent: bool) -> bool {
+        let own = |column: usize| {
+            let softens = column == slope_of(regression)
+                && best.answer.theta[column] < 0.0
+                && !self.has_fallen(regression, best, recent);
+            softens || column == bend_of(regression)
+        };
+        own(best.column) || recent && best.set().any(own)
+    }
+
+    /// True if the slope has fallen at once, and not with a new largest motion.
+    fn has_fallen(&self, regression: usize, best: &Hypothesis, recent: bool) -> bool {
+        let column = slope_of(regression);
+        let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
+        let long = self.answers.of(REFERENCE, regression);
+        let long = long.filter(|a| a.periods > LEARNED);
+        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd)
+            || best.column == column && self.is_change(best, regression);
+        let [learnt, learnt_sd] = self.learnt[0];
+        let sd = sqrtf(sd * sd + learnt_sd * learnt_sd);
+        let since_largest = regression == FORCE || theta - learnt < -2.0 - 2.0 * sd;
+        fallen && since_largest && !recent
+    }
+
     /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
-    /// be either; one that falls slowly is a specimen that degrades.
+    /// be either; one that falls slowly, or with the largest motion, is a specimen that degrades.
     fn name_slope(&mut self, k: &Constants, regression: usize, best: &Hypothesis, recent: bool) {
         let column = slope_of(regression);
         let half = match regression {
@@ -144,15 +173,7 @@ impl Judge {
         let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
         if theta > 0.0 {
             self.note(Cause::ForceGain, theta * half, sd * half);
-            return;
-        }
-        let long = self
-            .answers
-            .of(REFERENCE, regression)
-            .filter(|a| a.periods > LEARNED);
-        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd)
-            || best.column == column && self.is_change(best, regression);
-        if fallen && !recent {
+        } else if self.has_fallen(regression, best, recent) {
             self.note(Cause::ForceGain, theta * half, sd * half);
             self.note(Cause::StiffnessLoss, theta * half, sd * half);
         }

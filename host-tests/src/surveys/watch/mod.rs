@@ -8,7 +8,8 @@
 //! | `table.rs` | what was aimed at, what was found, and by how much it is missed |
 //!
 //! Sound rigs: 0.5 to 4 Hz, 5 to 100 mm, 3 to 30 ms of lateness, from a delay with a lag to a servo-hydraulic actuator; linear,
-//! bilinear and Bouc-Wen specimens, one in four of those that yield degrading; 12 and 16 bits, noise of 0.01 to 0.5 % of the peak;
+//! bilinear and Bouc-Wen specimens, one in four of those that yield degrading, one in three of the linear ones hardening, softening or
+//! degrading; 12 and 16 bits, noise of 0.01 to 0.5 % of the peak;
 //! seven compensations; one in eight with two actuators.
 
 mod draw;

@@ -143,6 +143,7 @@ fn false_names(sound: &[SoundTrial]) -> Vec<Target> {
     let counts: Vec<&SoundTrial> = sound.iter().filter(|t| t.counts).collect();
     let hidden = |t: &&&SoundTrial| t.yields && t.declared_elastic;
     let elastic: Vec<&SoundTrial> = counts.iter().filter(hidden).copied().collect();
+    let bent: Vec<&SoundTrial> = counts.iter().filter(|t| t.bends).copied().collect();
     let named = |t: &SoundTrial| t.named.is_some();
     vec![
         count(
@@ -155,6 +156,12 @@ fn false_names(sound: &[SoundTrial]) -> Vec<Target> {
             "the same, yields though declared elastic",
             "0 of 2000",
             Share::among(&elastic, named),
+            0,
+        ),
+        count(
+            "the same, hardens, softens or degrades though declared linear",
+            "0",
+            Share::among(&bent, named),
             0,
         ),
     ]

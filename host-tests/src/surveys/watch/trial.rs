@@ -34,6 +34,8 @@ pub struct SoundTrial {
     pub yields: bool,
     /// Though it was declared elastic.
     pub declared_elastic: bool,
+    /// It hardens, softens or degrades, and was declared linear.
+    pub bends: bool,
     /// A name, which is false: when and what.
     pub named: Option<String>,
     /// Its energy error passed the published threshold of 0.2.
@@ -186,6 +188,7 @@ impl SoundTrial {
                 || s.trip == Some("watch"),
             yields: rig.yields,
             declared_elastic: rig.declared_elastic,
+            bends: rig.bends,
             named: first(s.watch.as_ref()).map(in_words),
             energy: s.energy_ratio > 0.2,
             eps: eps(&s),
@@ -255,7 +258,7 @@ impl FaultTrial {
             kind: effect.kind,
             beside: beside.map(|b| b.kind),
             several: rig.storeys > 1,
-            elastic: !rig.yields,
+            elastic: !rig.yields && !rig.bends,
             counts: sound.verdict == TestVerdict::Completed && sound.eps_rms <= POOR_EPS_RMS,
             eps: [&sound, &faulty, &corrected].map(eps),
             adaptive,
