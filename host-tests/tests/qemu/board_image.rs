@@ -22,11 +22,11 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str)> {
 
 /// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written; a quarter was the aim
 /// until limits, calibration and two more methods came in (290 KiB). Converters that are asked live, further interlocks and
-/// refusals that name an unknown number took another 14 to 20, the rig watch 62: its regressions are unrolled for the sizes that
-/// they have, and what it is told is worked out in software double precision. Methods that are best nowhere are left out: 362
-/// KiB with the chip's own converters, 369 with those of three actuators; with all of them 387 and 393. Three sizes of loop with
+/// refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled for the sizes that
+/// they have, and what it is told is worked out in software double precision. Methods that are best nowhere are left out: 364
+/// KiB with the chip's own converters, 371 with those of three actuators; with all of them 387 and 393. Three sizes of loop with
 /// each method, each with its design in double precision, are most of it.
-const MOST_FLASH: u64 = 370 * 1024;
+const MOST_FLASH: u64 = 372 * 1024;
 
 #[test]
 fn sizes() {
