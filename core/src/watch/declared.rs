@@ -138,6 +138,7 @@ impl Declared {
         let slope = self.stiffness_tolerance.max(LEAST_STIFFNESS);
         let v = 0.5 * (0.012 + 3e-4 * w);
         let to_f32 = |x: f64| x as f32;
+        // A stiffness that bends is tolerated up to 30 % at the peak in the whole motion, up to 8 % in what unloads.
         // A friction is what the force jumps by at a turn, where filter and presliding round the corner of a specimen that yields.
         HalfTolerances {
             actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2, 0.002].map(to_f32),

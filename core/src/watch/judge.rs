@@ -36,7 +36,7 @@ pub(super) const BLOCKS_A_ROUND: u8 = 25;
 const MOST_FINDINGS: usize = 8;
 /// Twice the logarithm of the likelihood ratio from which there is a doubt: of the actuator, of the force, of the unloading.
 const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
-/// A cause that has been in the set all the time.
+/// What stands for the share of a cause that has been in the set all the time.
 const ALWAYS: f32 = 65_535.0;
 /// Judgements after which a set that is still the same has settled.
 const SETTLED: u8 = 5;
@@ -130,9 +130,11 @@ impl Constants {
             };
             (cause, unit, self.half.actuator[column])
         } else {
+            if column == bend_of(regression) {
+                return None;
+            }
             let (role, half) = match regression {
                 FORCE => (column, self.half.force.get(column)?),
-                _ if column == bend_of(regression) => return None,
                 _ => (column + 1, self.half.unloading.get(column)?),
             };
             let (cause, unit) = match role {

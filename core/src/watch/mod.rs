@@ -27,7 +27,9 @@
 //! explained, three times in a row (150 ms), twelve times where that began in the first second. While the specimen unloads it is
 //! 48 and five deviations, or less beside a slope and a lateness that the same test had learnt. An offset that is named and goes on
 //! moving is a drift. A force that does not move where an elastic specimen has been before stands. A motion that tells nothing of a cause gives it no freedom, and so no name.
-//! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic.
+//! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic. One that
+//! hardens, softens or degrades is none either: where a stiffness that depends on the displacement, that falls slowly or with the
+//! largest motion explains best what stands out, nothing is named.
 
 mod answers;
 mod correction;

@@ -88,6 +88,7 @@ pub(super) struct Answer {
     pub(super) theta: [f32; 8],
     pub(super) variance: [f32; 8],
     pub(super) explained: f32,
+    /// Kept of the longest window alone, 0 of the others.
     pub(super) left: f32,
     /// Samples, natural periods of them.
     pub(super) periods: f32,

@@ -214,7 +214,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     }
     println!("made worse by a correction (--lot mid-test):");
     let worse = |(_, t): &(usize, &watch::FaultTrial)| {
-        t.beside.is_none() && (t.is_made_worse() || t.unstable)
+        t.beside.is_none() && t.counts && (t.is_made_worse() || t.unstable)
     };
     for (i, trial) in faulty.iter().enumerate().filter(worse) {
         let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);

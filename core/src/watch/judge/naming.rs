@@ -156,10 +156,7 @@ impl Judge {
         let long = long.filter(|a| a.periods > LEARNED);
         let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd)
             || best.column == column && self.is_change(best, regression);
-        let [learnt, learnt_sd] = self.learnt[0];
-        let sd = sqrtf(sd * sd + learnt_sd * learnt_sd);
-        let since_largest = regression == FORCE || theta - learnt < -2.0 - 2.0 * sd;
-        fallen && since_largest && !recent
+        fallen && !recent
     }
 
     /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may

@@ -28,7 +28,7 @@ const LOST: f64 = 1.0;
 pub struct SoundTrial {
     /// What its rig is.
     pub kind: String,
-    /// False where the compensation does not fit the rig: nothing of it is sound.
+    /// False where the compensation does not fit the rig, its specimen being as declared: nothing of it is sound.
     pub counts: bool,
     /// It yields.
     pub yields: bool,
@@ -126,6 +126,14 @@ impl Planned {
         }
     }
 
+    /// The same with the specimen as declared, where this one bends.
+    fn without_bend(&self) -> Option<Self> {
+        let mut straight = Self::new(self.seed);
+        let text = &mut straight.rig.text;
+        text.truncate(text.len() - straight.rig.bend.len());
+        (!straight.rig.bend.is_empty()).then_some(straight)
+    }
+
     fn effects(
         &self,
         draw: impl FnOnce(&DrawnRig, &mut Draw) -> Vec<DrawnEffect>,
@@ -182,13 +190,18 @@ impl SoundTrial {
     pub fn run(seed: u64) -> Result<Self, Failure> {
         let mut planned = Planned::new(seed);
         let s = planned.run("", None)?;
+        let mut fits = s.eps_rms <= POOR_EPS_RMS;
+        // How far a specimen that bends takes the test from what was planned says nothing of the compensation.
+        if let Some(mut straight) = planned.without_bend() {
+            fits = straight.run("", None)?.eps_rms <= POOR_EPS_RMS;
+        }
+        let counts = s.verdict == TestVerdict::Completed && fits || s.trip == Some("watch");
         let rig = planned.rig;
         Ok(Self {
-            counts: s.verdict == TestVerdict::Completed && s.eps_rms <= POOR_EPS_RMS
-                || s.trip == Some("watch"),
+            counts,
             yields: rig.yields,
             declared_elastic: rig.declared_elastic,
-            bends: rig.bends,
+            bends: !rig.bend.is_empty(),
             named: first(s.watch.as_ref()).map(in_words),
             energy: s.energy_ratio > 0.2,
             eps: eps(&s),
@@ -258,7 +271,7 @@ impl FaultTrial {
             kind: effect.kind,
             beside: beside.map(|b| b.kind),
             several: rig.storeys > 1,
-            elastic: !rig.yields && !rig.bends,
+            elastic: !rig.yields && rig.bend.is_empty(),
             counts: sound.verdict == TestVerdict::Completed && sound.eps_rms <= POOR_EPS_RMS,
             eps: [&sound, &faulty, &corrected].map(eps),
             adaptive,
