@@ -283,10 +283,10 @@ fn a_delay_that_jumps_is_corrected_and_what_it_adds_to_the_error_is_halved() {
     );
     assert!(steps[0].t_s > 8.0 && steps.len() > 10);
     for pair in steps.windows(2) {
-        // At most 20 ms of lateness a second.
+        // At most 40 ms of lateness a second.
         let moved = pair[1].corrected - pair[0].corrected;
         assert!(
-            moved.abs() <= 20.0 * (pair[1].t_s - pair[0].t_s) + 0.05,
+            moved.abs() <= 40.0 * (pair[1].t_s - pair[0].t_s) + 0.05,
             "{pair:?}"
         );
     }
@@ -310,17 +310,25 @@ fn a_correction_that_finds_nothing_to_correct_changes_no_bit() {
 #[test]
 fn an_adaptive_compensation_is_held_while_the_displacement_reads_a_tenth_too_much() {
     let lies = "[[plant.effects]]\nname = 'gain_error'\nsensor = 'displacement'\nerror = 0.1\nfrom_s = 8\n";
-    for method in [
-        "ats",
-        "mcs",
-        "adaptive-inverse",
-        "afp",
-        "darby",
-        "hydraulic",
+    // The published gains of `amb` are not those of this motion.
+    let of_this_motion = [
+        "compensation.delay_ms=14",
+        "compensation.amb.gains=[3e6,3e4,30,0]",
+    ];
+    for (method, own) in [
+        ("ats", &[][..]),
+        ("amb", &of_this_motion),
+        ("mcs", &[]),
+        ("adaptive-inverse", &[]),
+        ("afp", &[]),
+        ("darby", &[]),
+        ("hydraulic", &[]),
     ] {
         let kind = format!("compensation.kind='{method}'");
-        let tried = [("", true), (lies, false), (lies, true)]
-            .map(|(more, guard)| run(more, &[&kind, &format!("watch.guard={guard}")]).summary);
+        let tried = [("", true), (lies, false), (lies, true)].map(|(more, guard)| {
+            let guard = format!("watch.guard={guard}");
+            run(more, &[&[kind.as_str(), &guard][..], own].concat()).summary
+        });
         let [sound, free, held] = &tried;
         println!(
             "{method}: eps_rms sound {:.4}, unguarded {:.4}, guarded {:.4}",

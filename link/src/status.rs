@@ -3,7 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::DecoderCounts;
 use heapless::{String, Vec};
-use outerloop_core::watch::{Cause, State};
+use outerloop_core::watch::{Cause, Finding, State};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +62,17 @@ pub struct NamedCause {
     pub value: f32,
     /// Its standard deviation.
     pub sd: f32,
+}
+
+impl NamedCause {
+    /// Without its actuator.
+    pub fn finding(&self) -> Finding {
+        Finding {
+            cause: self.cause,
+            value: self.value,
+            sd: self.sd,
+        }
+    }
 }
 
 /// What the rig watch says.

@@ -151,7 +151,7 @@ fn describe_watch(
     let since_s = f64::from(watch.since_step) * f64::from(period_cycles) / clock_hz;
     let said = |named: &link::status::NamedCause| {
         let actuator = (actuators > 1).then_some(usize::from(named.actuator));
-        NamedCause::of(named.cause, [named.value, named.sd], actuator).in_words()
+        NamedCause::of(&named.finding(), actuator).in_words()
     };
     let names: Vec<String> = watch.named.iter().map(said).collect();
     let said = match &names[..] {

@@ -29,12 +29,14 @@ pub struct Corrections {
 }
 
 /// Share of what is left that a second corrects, and the most of it, s and share a second.
-const SHARE_A_SECOND: f64 = 6.0;
-const MOST_LATE_A_SECOND: f64 = 0.02;
-const MOST_GAIN_A_SECOND: f64 = 0.1;
-/// Bounds of a correction: of the declared lateness, of the gain, of a sensor's lateness, s.
+const SHARE_A_SECOND: f64 = 12.0;
+const MOST_LATE_A_SECOND: f64 = 0.04;
+const MOST_GAIN_A_SECOND: f64 = 0.2;
+/// Bounds of a correction: of the declared lateness, or of the phase of the first mode, rad, where that is more; of the gain; of a
+/// sensor's lateness, s. At that phase the motion at constant acceleration is ahead of a sine by 6e-4 of its peak.
 const LEAST_LATENESS: f64 = -0.8;
 const MOST_LATENESS: f64 = 1.0;
+const MOST_LATE_RAD: f64 = 0.15;
 const MOST_GAIN: f32 = 0.2;
 const MOST_SENSOR_S: f32 = 0.01;
 
@@ -48,9 +50,10 @@ const FORCE: usize = 3;
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
     allowed: Corrections,
-    /// Of what is left, and the most, a block.
+    /// Of what is left, and the most, a block: of a lateness, s, and of the gain.
     share: f32,
-    most: [f32; 4],
+    most_late_s: f32,
+    most_gain: f32,
     lateness_s: [f32; 2],
     rate_hz: f32,
 }
@@ -58,12 +61,16 @@ pub(super) struct Constants {
 impl Constants {
     pub(super) fn new(d: &Declared, allowed: Corrections, blocks_hz: f64) -> Self {
         let late_s = d.actuator.delay_s + d.actuator.lag_s;
-        let late = MOST_LATE_A_SECOND / blocks_hz;
         Self {
             allowed,
             share: (SHARE_A_SECOND / blocks_hz).min(1.0) as f32,
-            most: [late, MOST_GAIN_A_SECOND / blocks_hz, late, late].map(|x| x as f32),
-            lateness_s: [LEAST_LATENESS * late_s, MOST_LATENESS * late_s].map(|x| x as f32),
+            most_late_s: (MOST_LATE_A_SECOND / blocks_hz) as f32,
+            most_gain: (MOST_GAIN_A_SECOND / blocks_hz) as f32,
+            lateness_s: [
+                LEAST_LATENESS * late_s,
+                (MOST_LATENESS * late_s).max(MOST_LATE_RAD / d.omega_rad_per_s),
+            ]
+            .map(|x| x as f32),
             rate_hz: d.rate_hz as f32,
         }
     }
@@ -74,28 +81,52 @@ impl Constants {
 pub(super) struct Corrector {
     now: [f32; 4],
     goal: [f32; 4],
+    /// A lateness and a gain were not told apart when one of them was begun with.
+    unsure: bool,
 }
 
 impl Corrector {
-    /// A name has settled.
-    pub(super) fn aim(&mut self, k: &Constants, named: &Finding) {
-        let value = named.value / named.cause.per_si();
-        let [least_s, most_s] = k.lateness_s;
-        let Some((which, allowed)) = correction_of(named.cause, k.allowed) else {
+    /// A set has settled. Of a lateness and a gain that it does not tell apart it is the one that is corrected for already, or the
+    /// one that is further from nothing and so explains more; when it turns out to be the other, this one goes back.
+    pub(super) fn aim<'a>(
+        &mut self,
+        k: &Constants,
+        set: impl Iterator<Item = &'a Finding> + Clone,
+    ) {
+        let can_be = set.filter_map(|f| correction_of(f.cause, k.allowed).map(|(i, a)| (i, a, f)));
+        let begun = can_be.clone().find(|(which, ..)| self.goal[*which] != 0.0);
+        let by_deviations = |a: &Finding, b: &Finding| {
+            let deviations = |f: &Finding| (f.value / f.sd).abs();
+            deviations(a).total_cmp(&deviations(b))
+        };
+        let best = || can_be.clone().max_by(|a, b| by_deviations(a.2, b.2));
+        let Some((which, allowed, named)) = begun.or_else(best) else {
             return;
         };
-        if allowed && value.is_finite() {
-            self.goal[which] = match which {
-                LATENESS => larger(smaller(value, most_s), least_s),
-                GAIN => larger(smaller(value, MOST_GAIN), -MOST_GAIN),
-                _ => larger(smaller(value, MOST_SENSOR_S), 0.0),
-            };
+        let value = named.value / named.cause.per_si();
+        if !allowed || !value.is_finite() {
+            return;
         }
+        let alone = can_be.count() == 1;
+        if alone && self.unsure && begun.is_none() {
+            self.goal = [0.0; 4];
+        }
+        self.unsure = !alone && (self.unsure || begun.is_none());
+        let [least_s, most_s] = k.lateness_s;
+        self.goal[which] = match which {
+            LATENESS => larger(smaller(value, most_s), least_s),
+            GAIN => larger(smaller(value, MOST_GAIN), -MOST_GAIN),
+            _ => larger(smaller(value, MOST_SENSOR_S), 0.0),
+        };
     }
 
     /// A block later.
     pub(super) fn pass_block(&mut self, k: &Constants) {
-        for ((now, goal), most) in self.now.iter_mut().zip(self.goal).zip(k.most) {
+        for (which, (now, goal)) in self.now.iter_mut().zip(self.goal).enumerate() {
+            let most = match which {
+                GAIN => k.most_gain,
+                _ => k.most_late_s,
+            };
             *now += larger(smaller(k.share * (goal - *now), most), -most);
         }
     }
@@ -121,13 +152,6 @@ impl Corrector {
             reading_late_steps: (displacement_s - force_s) * k.rate_hz,
             hold,
         }
-    }
-}
-
-impl Cause {
-    /// True if there is a correction for it.
-    pub(super) fn can_be_corrected(self) -> bool {
-        correction_of(self, Corrections::default()).is_some()
     }
 }
 
@@ -160,5 +184,85 @@ fn correction_of(cause: Cause, allowed: Corrections) -> Option<(usize, bool)> {
         | Cause::DisplacementDrift
         | Cause::ForceDrift
         | Cause::ActuatorDrift => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCKS_HZ: f64 = 500.0;
+
+    /// Allowed to correct for everything on an actuator that is declared to be 8 ms late, with a structure of 6 rad/s.
+    fn constants() -> Constants {
+        let mut declared = Declared::exact();
+        (declared.actuator.delay_s, declared.actuator.lag_s) = (0.005, 0.003);
+        let allowed = Corrections {
+            lateness: true,
+            gain: true,
+            late_sensor: true,
+        };
+        Constants::new(&declared, allowed, BLOCKS_HZ)
+    }
+
+    /// A lateness, ms, or a gain, so many deviations from nothing.
+    fn found(cause: Cause, value: f32, deviations: f32) -> Finding {
+        let sd = value / deviations;
+        Finding { cause, value, sd }
+    }
+
+    /// What is corrected for after so many seconds with a set that has settled: lateness, ms, and gain.
+    fn after(own: &mut Corrector, set: &[Finding], seconds: f64) -> [f32; 2] {
+        let k = constants();
+        for _ in 0..(seconds * BLOCKS_HZ) as usize {
+            own.aim(&k, set.iter());
+            own.pass_block(&k);
+        }
+        [Cause::ActuatorLate, Cause::ActuatorGain].map(|cause| own.of(cause))
+    }
+
+    fn assert_near(found: [f32; 2], right: [f32; 2]) {
+        let near = |(a, b): (&f32, &f32)| (a - b).abs() < 1e-3;
+        assert!(
+            found.iter().zip(&right).all(near),
+            "{found:?} and not {right:?}"
+        );
+    }
+
+    #[test]
+    fn a_lateness_and_a_gain_that_are_not_told_apart_are_one_correction_which_goes_back_if_it_was_the_other()
+     {
+        let late = |deviations| found(Cause::ActuatorLate, 4.0, deviations);
+        let gain = |deviations| found(Cause::ActuatorGain, -0.05, deviations);
+        let mut own = Corrector::default();
+        let both = [gain(3.0), late(5.0)];
+        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
+        // It goes on with what it has begun with.
+        let both = [gain(6.0), late(5.0)];
+        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, &[gain(9.0)], 2.0), [0.0, -0.05]);
+        // What was sure stays, whatever comes beside it.
+        let mut own = Corrector::default();
+        assert_near(after(&mut own, &[late(9.0)], 2.0), [4.0, 0.0]);
+        let both = [gain(9.0), late(5.0)];
+        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, &[gain(9.0)], 2.0), [4.0, -0.05]);
+    }
+
+    #[test]
+    fn a_correction_is_bounded_in_speed_and_size_by_the_declared_lateness_or_a_share_of_the_period()
+    {
+        let late = |ms| [found(Cause::ActuatorLate, ms, 9.0)];
+        let first = after(&mut Corrector::default(), &late(40.0), 0.1);
+        assert_near(first, [4.0, 0.0]);
+        // 0.15 rad at 6 rad/s, and four fifths of 8 ms.
+        assert_near(
+            after(&mut Corrector::default(), &late(40.0), 3.0),
+            [25.0, 0.0],
+        );
+        assert_near(
+            after(&mut Corrector::default(), &late(-40.0), 3.0),
+            [-6.4, 0.0],
+        );
     }
 }

@@ -71,6 +71,34 @@ pub(super) struct HalfTolerances {
 }
 
 impl Declared {
+    /// An elastic specimen on an actuator without error, known well.
+    #[cfg(test)]
+    pub(super) fn exact() -> Self {
+        Self {
+            rate_hz: 1000.0,
+            omega_rad_per_s: 6.0,
+            peak_m: 0.05,
+            stiffness_n_per_m: 1e5,
+            stiffness_tolerance: 0.02,
+            actuator: DeclaredActuator {
+                gain: 1.0,
+                delay_s: 0.0,
+                lag_s: 0.0,
+                offset_m: 0.0,
+                tolerances: [0.0; 3],
+            },
+            alone: true,
+            has_actuator: true,
+            has_specimen: true,
+            elastic: true,
+            damping_n_s_per_m: 0.0,
+            mass_kg: 0.0,
+            force_gain: 1.0,
+            force_offset_n: 0.0,
+            noise: [0.0; 2],
+        }
+    }
+
     /// That the numbers can be what they stand for.
     ///
     /// # Errors

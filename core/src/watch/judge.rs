@@ -39,7 +39,7 @@ const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
 /// What stands for the share of a cause that has been in the set all the time.
 const ALWAYS: f32 = 65_535.0;
 /// Judgements after which a set that is still the same has settled.
-const SETTLED: u8 = 5;
+const SETTLED: u8 = 3;
 /// Rounds in a row; more of them where they began in the first second that is judged, in which few samples tell little.
 const ROUNDS: u8 = 3;
 const FIRST_ROUNDS: u8 = 20;
@@ -258,7 +258,7 @@ impl Judge {
     }
 
     /// The causes of a set that has settled, with their values.
-    pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> {
+    pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> + Clone {
         let set = if self.unchanged < SETTLED {
             Set::EMPTY
         } else {
@@ -267,17 +267,13 @@ impl Judge {
         self.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// The one cause that can be corrected of a set that has settled, where it is alone or all of them are the actuator's. None
-    /// while a limit is in doubt: what goes further then only runs into it sooner.
-    pub(super) fn settled_to_correct(&self) -> Option<&Finding> {
-        if self.doubts_limit {
-            return None;
-        }
-        let settled = || self.settled();
-        let mut can_be = settled().filter(|f| f.cause.can_be_corrected());
-        let one = can_be.next().filter(|_| can_be.next().is_none())?;
-        let actuators = settled().all(|f| f.cause.side() == Side::Actuator);
-        (actuators || settled().count() == 1).then_some(one)
+    /// What may be corrected for: a set that has settled, where it is one cause or all of them are the actuator's. Nothing while a
+    /// limit is in doubt: what goes further then only runs into it sooner.
+    pub(super) fn settled_to_correct(&self) -> impl Iterator<Item = &Finding> + Clone {
+        let is_actuator = |f: &Finding| f.cause.side() == Side::Actuator;
+        let told = self.settled().all(is_actuator) || self.settled().count() == 1;
+        let may = told && !self.doubts_limit;
+        self.settled().filter(move |_| may)
     }
 
     /// The least of `cause` that would be named at best if it acted now, in its unit; `None` where the motion tells nothing of it.

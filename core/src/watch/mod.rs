@@ -328,13 +328,12 @@ impl Watch {
         self.judge.trip(cause)
     }
 
-    /// What follows from a set that has settled: a correction of the one of them that can be corrected, and a stop where all that
-    /// it can be will add more than the declared error. True if it stops.
+    /// What follows from a set that has settled: a correction, and a stop where all that it can be will add more than the declared
+    /// error. True if it stops.
     fn act(&mut self) -> bool {
         let k = &self.constants;
-        if let Some(one) = self.judge.settled_to_correct() {
-            self.corrector.aim(&k.correction, one);
-        }
+        let settled = self.judge.settled_to_correct();
+        self.corrector.aim(&k.correction, settled);
         let Some(foresight) = &k.foresight else {
             return false;
         };

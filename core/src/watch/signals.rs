@@ -210,34 +210,10 @@ impl Signals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::watch::DeclaredActuator;
 
     /// The largest that the end of a stroke explains of a motion of so many peaks that goes no further than `stroke` peaks.
     fn stop(peaks: f32, stroke: f32) -> f32 {
-        let declared = Declared {
-            rate_hz: 1000.0,
-            omega_rad_per_s: 6.0,
-            peak_m: 0.05,
-            stiffness_n_per_m: 1e5,
-            stiffness_tolerance: 0.02,
-            actuator: DeclaredActuator {
-                gain: 1.0,
-                delay_s: 0.0,
-                lag_s: 0.0,
-                offset_m: 0.0,
-                tolerances: [0.0; 3],
-            },
-            alone: true,
-            has_actuator: true,
-            has_specimen: true,
-            elastic: true,
-            damping_n_s_per_m: 0.0,
-            mass_kg: 0.0,
-            force_gain: 1.0,
-            force_offset_n: 0.0,
-            noise: [0.0; 2],
-        };
-        let k = Constants::new(&declared, 500.0);
+        let k = Constants::new(&Declared::exact(), 500.0);
         let mut signals = Signals::at_rest();
         let rows = (0..2000_u16).filter_map(|i| {
             let way = peaks * libm::sinf(6.0 * f32::from(i) / 500.0);

@@ -40,3 +40,14 @@ pub struct Finding {
     /// Its standard deviation.
     pub sd: f32,
 }
+
+impl Finding {
+    /// The normal distribution's 5 and 95 %.
+    const NINETY: f32 = 1.645;
+
+    /// In nine of ten cases the value is between these, in the unit of the cause.
+    pub fn interval_90(&self) -> [f32; 2] {
+        let half = Self::NINETY * self.sd;
+        [self.value - half, self.value + half]
+    }
+}

@@ -1,7 +1,7 @@
 //! What the watch had to say of a test, as data and in words.
 
 use crate::numbers::three;
-use outerloop_core::watch::Cause;
+use outerloop_core::watch::Finding;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -286,20 +286,17 @@ impl WatchEvent {
     }
 }
 
-/// Half of a 90 % interval, in standard deviations.
-const NINETY: f64 = 1.645;
-
 impl NamedCause {
-    /// A cause with its value and standard deviation, of which actuator, from 1, where there are several.
-    pub fn of(cause: Cause, [value, sd]: [f32; 2], actuator: Option<usize>) -> Self {
-        let (value, half) = (f64::from(value), NINETY * f64::from(sd));
+    /// What was found, of which actuator, from 1, where there are several.
+    pub fn of(found: &Finding, actuator: Option<usize>) -> Self {
+        let cause = found.cause;
         Self {
             name: cause.name(),
             side: cause.side().name(),
             actuator,
-            value,
+            value: f64::from(found.value),
             unit: cause.unit(),
-            ci90: [value - half, value + half],
+            ci90: found.interval_90().map(f64::from),
             corrected: None,
         }
     }

@@ -136,7 +136,7 @@ impl TestWatch {
                 let corrected = f64::from(watch.corrected(f.cause));
                 NamedCause {
                     corrected: (corrected != 0.0).then_some(corrected),
-                    ..NamedCause::of(f.cause, [f.value, f.sd], self.number(j))
+                    ..NamedCause::of(f, self.number(j))
                 }
             }));
         }

@@ -12,9 +12,9 @@ const CLEARLY: f64 = 0.05;
 const WORSE: f64 = 0.01;
 
 impl FaultTrial {
-    /// The correction has made it worse. One that would have been stopped without it is of a longer test.
+    /// The correction has made it worse. One that was stopped sooner without it is of a longer test.
     pub fn is_made_worse(&self) -> bool {
-        self.counts && !self.saved && self.eps[2] > self.eps[1] + WORSE
+        self.counts && !self.longer && self.eps[2] > self.eps[1] + WORSE
     }
 }
 

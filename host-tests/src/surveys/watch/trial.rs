@@ -63,10 +63,10 @@ pub struct FaultTrial {
     pub eps: [f64; 3],
     /// Where asked for: under `ats` without the effect, with it and the guard, with it and without the guard.
     pub adaptive: Option<[f64; 3]>,
-    /// The corrected test ended early, and the other did not.
+    /// The corrected test ran away or was stopped, and the other did not.
     pub unstable: bool,
-    /// The other was stopped, and the corrected one ran to its end: its error is of a longer test.
-    pub saved: bool,
+    /// The other was stopped, and the corrected one went on: its error is of a longer test.
+    pub longer: bool,
     /// The compensation learns lateness and gain itself: nothing is corrected for.
     pub learns: bool,
     /// What was named first, in words.
@@ -173,6 +173,10 @@ fn eps(s: &Summary) -> f64 {
     }
 }
 
+fn survived(s: &Summary) -> bool {
+    s.verdict == TestVerdict::Completed && eps(s) < LOST
+}
+
 fn in_words(event: &WatchEvent) -> String {
     let names: Vec<String> = event.set.iter().map(|c| c.in_words()).collect();
     format!("{:.2} s {}", event.t_s, names.join(" | "))
@@ -275,9 +279,8 @@ impl FaultTrial {
             counts: sound.verdict == TestVerdict::Completed && sound.eps_rms <= POOR_EPS_RMS,
             eps: [&sound, &faulty, &corrected].map(eps),
             adaptive,
-            unstable: eps(&corrected) >= LOST && eps(&faulty) < LOST,
-            saved: corrected.verdict == TestVerdict::Completed
-                && faulty.verdict != TestVerdict::Completed,
+            unstable: !survived(&corrected) && survived(&faulty),
+            longer: corrected.steps > faulty.steps,
             learns,
             named: first(watch).map(in_words),
             right: [

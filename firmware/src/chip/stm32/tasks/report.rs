@@ -80,15 +80,16 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
 fn log_watch(service: &Service) {
     defmt::info!("rig watch: {=str}", service.watch_state().name());
     for (actuator, found) in service.findings() {
-        let cause = found.cause;
+        let (cause, [low, high]) = (found.cause, found.interval_90());
         defmt::info!(
-            "rig watch, actuator {=usize}: {=str} ({=str}), {=f32} {=str}, standard deviation {=f32}",
+            "rig watch, actuator {=usize}: {=str} ({=str}), {=f32} {=str}, {=f32} to {=f32}",
             actuator,
             cause.name(),
             cause.side().name(),
             found.value,
             cause.unit(),
-            found.sd
+            low,
+            high
         );
     }
 }
