@@ -1,5 +1,9 @@
 //! How long the step takes, counted on the chip.
 
+/// What correcting command and reading may add to a step of three actuators, cycles, by the model of the chip's cycles: held by
+/// `cargo tests --test qemu what_the_watch_costs_a_step`. Where the linker puts the code moves it by some 35.
+pub const CORRECTION_CYCLES: u32 = 350;
+
 /// Worst and mean time of a step, and how many came too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepTime {

@@ -94,6 +94,9 @@ pub struct Service {
     config: Option<Config>,
     rate_hz: f32,
     model_step_s: f64,
+    /// Ticks that a step of the last test that was worked out leaves of its deadline; 0 for one that was loaded at the start, which
+    /// nobody has timed.
+    left_ticks: u32,
     /// The calibration of each actuator and whether somebody has made it.
     calibrations: PerActuator<(Calibration, bool)>,
     windows: [[Window; 2]; MAX_ACTUATORS],
@@ -134,6 +137,7 @@ impl Service {
             config: parts.config,
             rate_hz: in_force.0,
             model_step_s: in_force.1,
+            left_ticks: 0,
             calibrations: parts
                 .calibrations
                 .into_iter()
@@ -450,18 +454,19 @@ impl Service {
     }
 
     /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
-    fn work_out(&self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
+    fn work_out(&mut self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
         let clock = &self.board.clock;
         place.replace(config, clock, self.board.actuators)?;
         let step = place.outer.rehearse(self.board.now);
         let ticks = step.saturating_add(clock.around_step_ticks);
-        if ticks > clock.deadline_ticks {
+        let Some(left) = clock.deadline_ticks.checked_sub(ticks) else {
             return Err(Refusal {
                 name: "step_cycles",
                 value: f64::from(ticks),
                 accepted: "a test whose step, timed on this board, keeps its deadline (see identify): fewer floors, a cheaper compensation, or a loop.solve_substeps above 1",
             });
-        }
+        };
+        self.left_ticks = left;
         Ok(())
     }
 

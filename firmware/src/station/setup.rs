@@ -19,6 +19,8 @@ pub struct Clock {
     pub deadline_ticks: u32,
     /// Those of them that the board takes around the outer loop's own step: sample, calibration, code.
     pub around_step_ticks: u32,
+    /// What a step takes longer where the rig watch corrects command and reading, at most.
+    pub correction_ticks: u32,
     /// Ticks of the stopwatch in a second.
     pub stopwatch_hz: u32,
 }
@@ -173,6 +175,7 @@ mod tests {
         fastest_rate_hz: 3400,
         deadline_ticks: 5000,
         around_step_ticks: 0,
+        correction_ticks: 0,
         stopwatch_hz: 168_000_000,
     };
 

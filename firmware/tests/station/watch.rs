@@ -1,7 +1,7 @@
 //! What the rig watch of a board is told, and what it says.
 
-use crate::common::{Bench, bench, config, pulse};
-use firmware::sim::CODES;
+use crate::common::{Bench, Spring, bench, config, pulse, started};
+use firmware::sim::{self, CODES};
 use link::Calibration;
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
@@ -103,6 +103,30 @@ fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
     assert_eq!(status(&mut b), None);
     done(&b.event(Event::Start));
     assert!(matches!(b.ask(good()), Reply::Rejected { .. }), "not idle");
+}
+
+#[test]
+fn a_correction_is_refused_where_a_step_leaves_no_time_for_it() {
+    // The stopwatch stands: all of the deadline is left.
+    for (deadline_ticks, refused_with) in [(349, Some(349.0)), (350, None)] {
+        let mut found = sim::Bench::<Spring>::well("sim");
+        (found.clock.deadline_ticks, found.clock.correction_ticks) = (deadline_ticks, 350);
+        let mut b = started(found);
+        done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
+        done(&b.ask(Command::Configure(config())));
+        let said = match b.ask(Command::Watch(0, instructions())) {
+            Reply::Refused(refused) => {
+                assert_eq!(refused.name, "watch.correct");
+                Some(refused.value)
+            }
+            _ => None,
+        };
+        assert_eq!(said, refused_with);
+        let mut looks_on = instructions();
+        looks_on.actions.correct = Corrections::default();
+        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Watch(0, looks_on)));
+    }
 }
 
 /// The loop on the PC with a watch of its own, fed with the board's codes, in steps from the test's `since` on; the board was `told` to

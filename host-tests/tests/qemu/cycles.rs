@@ -1,5 +1,6 @@
 //! Cycles of a step on the board, by a model of its core and its flash, against the deadline.
 
+use firmware::step_time::CORRECTION_CYCLES;
 use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::dearest::{dearest, dearest_stop, dearest_watched};
 use host_tests::qemu::image::image;
@@ -183,6 +184,8 @@ fn what_the_watch_costs_a_step() {
             more(corrects)
         );
         assert!(more(with) <= WATCHED_MOST, "{} cycles", more(with));
+        let most = u64::from(CORRECTION_CYCLES);
+        assert!(more(corrects) <= most, "{} cycles", more(corrects));
     }
 }
 

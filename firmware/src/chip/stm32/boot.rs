@@ -19,6 +19,7 @@ use crate::station::{
     Board as Facts, Clock, FromWatch, Heartbeats, Judged, Order, Outcome, Parts, Points, QueueEnds,
     Report, Service, Setup, Station, WatchParts, Writable,
 };
+use crate::step_time::CORRECTION_CYCLES;
 use core::cell::RefCell;
 use defmt_rtt as _;
 use embassy_executor::{Executor, Spawner};
@@ -43,6 +44,7 @@ const fn clock<C: Converters<A>, const A: usize>() -> Clock {
         fastest_rate_hz: link::fastest_rate_hz(link::BAUD, A, C::INPUTS.len()),
         deadline_ticks: (C::OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
         around_step_ticks: C::AROUND_STEP_CYCLES,
+        correction_ticks: CORRECTION_CYCLES,
         stopwatch_hz: clocks::CORE_HZ,
     }
 }

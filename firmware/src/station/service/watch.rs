@@ -47,6 +47,11 @@ impl Service {
         if rate_hz as f32 != self.rate_hz {
             return refused("watch: rate_hz", rate_hz, "the rate of the test in force");
         }
+        let correction_ticks = self.board.clock.correction_ticks;
+        if told.corrects() && self.left_ticks < correction_ticks {
+            let accepted = "nothing to correct for, or a test whose step, timed on this board, leaves at least 350 cycles of its deadline for it (see identify)";
+            return refused("watch.correct", f64::from(self.left_ticks), accepted);
+        }
         self.watchers.tell(told, steps)
     }
 
