@@ -32,7 +32,8 @@ enum Survey {
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
         rigs: u64,
     },
-    /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets
+    /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets. Exit
+    /// status 1 where one of them is missed by more than docs/rig-watch.md says, and by more than chance
     Watch {
         /// How many sound tests
         #[arg(default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -175,7 +176,7 @@ fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
     Ok(promise.sound_stopped == 0)
 }
 
-/// The rig watch over many tests; true where every target is reached.
+/// The rig watch over many tests; true where it is as good as on the page.
 fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, Failure> {
     // Half as many again have an effect of any kind, from the start or in mid-test.
     let others = faulty / 2;
@@ -186,7 +187,11 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     progress.finish_and_clear();
     let mut targets = watch::targets(&sound, &faulty);
     targets.extend(watch::targets_of_any(&of_any_kind));
-    let reached = targets.iter().all(|t| t.missed.is_empty());
+    let worse: Vec<&str> = targets
+        .iter()
+        .filter(|t| !t.holds)
+        .map(|t| t.target)
+        .collect();
     if arguments.json {
         print_json(&WatchAnswer {
             seed: arguments.seed,
@@ -195,7 +200,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
             faulty: &faulty,
             of_any_kind: &of_any_kind,
         });
-        return Ok(reached);
+        return Ok(worse.is_empty());
     }
     let mut t = table(["target", "aim", "found", "missed by"]);
     for r in &targets {
@@ -213,15 +218,21 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
         }
     }
     println!("made worse by a correction (--lot mid-test):");
-    let worse = |(_, t): &(usize, &watch::FaultTrial)| {
+    let is_worse = |(_, t): &(usize, &watch::FaultTrial)| {
         t.beside.is_none() && t.counts && (t.is_made_worse() || t.unstable)
     };
-    for (i, trial) in faulty.iter().enumerate().filter(worse) {
+    for (i, trial) in faulty.iter().enumerate().filter(is_worse) {
         let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);
         let (rig, kind) = (&trial.rig, trial.kind.name());
         println!("  --number {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %");
     }
-    Ok(reached)
+    if !worse.is_empty() {
+        println!(
+            "\nworse than in docs/rig-watch.md, by more than chance: {}",
+            worse.join("; ")
+        );
+    }
+    Ok(worse.is_empty())
 }
 
 fn print_effects(head: &str, rows: Vec<[String; 9]>) {
