@@ -479,6 +479,23 @@ fn without_a_declared_actuator_no_limit_and_no_displacement_that_stands_is_promi
 }
 
 #[test]
+fn where_a_declared_value_cannot_be_watched_nothing_is_and_the_sentence_says_why() {
+    let told = [
+        "declared.actuator.delay_ms.value=200",
+        "estimation.delay_ms=6",
+        "estimation.lag_ms=8",
+        "compensation.delay_ms=6",
+    ];
+    let report = run("", &told).summary.watch.unwrap();
+    let [why] = &report.not_watched[..] else {
+        panic!("{:?}", report.not_watched);
+    };
+    assert!(why.starts_with("Nothing is watched"), "{why}");
+    assert!(why.contains("delay_s = 0.2"), "{why}");
+    assert!(report.events.is_empty() && report.watchable.is_empty());
+}
+
+#[test]
 fn what_the_watch_cannot_do_is_refused_and_its_names_are_the_catalogues() {
     for (set, said) in [
         ("watch.correct=['latenes']", "`latenes` (`lateness`?)"),

@@ -48,7 +48,7 @@ impl TestWatch {
             return Ok(None);
         }
         let timing = &test.config.timing;
-        let mut not_watched = Vec::new();
+        let (mut not_watched, mut refused) = (Vec::new(), Vec::new());
         let (mut told, mut actuators) = (Vec::new(), Vec::new());
         let peaks_m = place.ideal.peaks_m();
         let floors = test.config.physical_storeys();
@@ -66,13 +66,17 @@ impl TestWatch {
                     actuators.push(watch);
                     told.push(own);
                 }
-                Err(refusal) => not_watched.push(format!("Actuator {}: {refusal}", j + 1)),
+                Err(refusal) => refused.push(format!(
+                    "Nothing is watched: for actuator {}, {refusal}",
+                    j + 1
+                )),
             }
         }
         // A block has all of them, in turn.
-        if told.len() < floors.min(peaks_m.len()) {
+        if !refused.is_empty() {
             told.clear();
             actuators.clear();
+            not_watched = refused;
         }
         Ok(Some(Self {
             told,
