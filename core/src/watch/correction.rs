@@ -1,7 +1,7 @@
 //! Corrections of what was named: lateness and gain of the actuator, sensors that read late.
 //!
-//! Each moves towards the value of a name that has settled, by a bounded step a block and inside bounds, and stays where it is when
-//! the name goes. The watch goes on comparing the commands with what came of them, so a correction does not change what it finds.
+//! Each moves towards the value of a name that has settled, by a bounded step a block and inside bounds. It stays where it is while
+//! nothing has settled, and goes back where what has settled is something else. The watch goes on comparing the commands with what came of them, so a correction does not change what it finds.
 //!
 //! | what | how |
 //! |---|---|
@@ -81,25 +81,33 @@ impl Constants {
 pub(super) struct Corrector {
     now: [f32; 4],
     goal: [f32; 4],
-    /// A lateness and a gain were not told apart when one of them was begun with.
-    unsure: bool,
 }
 
 impl Corrector {
-    /// A set has settled. Of a lateness and a gain that it does not tell apart it is the one that is corrected for already, or the
-    /// one that is further from nothing and so explains more; when it turns out to be the other, this one goes back.
+    /// A set has settled; `may` be corrected for or not. What is corrected for and not in it any more was not it, and goes back. Of a
+    /// lateness and a gain that it does not tell apart it is the one that is corrected for already, or the one that is further from
+    /// nothing and so explains more.
     pub(super) fn aim<'a>(
         &mut self,
         k: &Constants,
         set: impl Iterator<Item = &'a Finding> + Clone,
+        may: bool,
     ) {
+        if set.clone().next().is_none() {
+            return;
+        }
         let can_be = set.filter_map(|f| correction_of(f.cause, k.allowed).map(|(i, a)| (i, a, f)));
+        for (which, goal) in self.goal.iter_mut().enumerate() {
+            if can_be.clone().all(|(other, ..)| other != which) {
+                *goal = 0.0;
+            }
+        }
+        if !may {
+            return;
+        }
         let begun = can_be.clone().find(|(which, ..)| self.goal[*which] != 0.0);
-        let by_deviations = |a: &Finding, b: &Finding| {
-            let deviations = |f: &Finding| (f.value / f.sd).abs();
-            deviations(a).total_cmp(&deviations(b))
-        };
-        let best = || can_be.clone().max_by(|a, b| by_deviations(a.2, b.2));
+        let deviations = |f: &Finding| (f.value / f.sd).abs();
+        let best = || can_be.max_by(|a, b| deviations(a.2).total_cmp(&deviations(b.2)));
         let Some((which, allowed, named)) = begun.or_else(best) else {
             return;
         };
@@ -107,11 +115,6 @@ impl Corrector {
         if !allowed || !value.is_finite() {
             return;
         }
-        let alone = can_be.count() == 1;
-        if alone && self.unsure && begun.is_none() {
-            self.goal = [0.0; 4];
-        }
-        self.unsure = !alone && (self.unsure || begun.is_none());
         let [least_s, most_s] = k.lateness_s;
         self.goal[which] = match which {
             LATENESS => larger(smaller(value, most_s), least_s),
@@ -212,10 +215,10 @@ mod tests {
     }
 
     /// What is corrected for after so many seconds with a set that has settled: lateness, ms, and gain.
-    fn after(own: &mut Corrector, set: &[Finding], seconds: f64) -> [f32; 2] {
+    fn after(own: &mut Corrector, (set, may): (&[Finding], bool), seconds: f64) -> [f32; 2] {
         let k = constants();
         for _ in 0..(seconds * BLOCKS_HZ) as usize {
-            own.aim(&k, set.iter());
+            own.aim(&k, set.iter(), may);
             own.pass_block(&k);
         }
         [Cause::ActuatorLate, Cause::ActuatorGain].map(|cause| own.of(cause))
@@ -230,38 +233,44 @@ mod tests {
     }
 
     #[test]
-    fn a_lateness_and_a_gain_that_are_not_told_apart_are_one_correction_which_goes_back_if_it_was_the_other()
-     {
+    fn of_a_lateness_and_a_gain_that_are_not_told_apart_one_is_corrected_until_it_is_the_other() {
         let late = |deviations| found(Cause::ActuatorLate, 4.0, deviations);
         let gain = |deviations| found(Cause::ActuatorGain, -0.05, deviations);
         let mut own = Corrector::default();
         let both = [gain(3.0), late(5.0)];
-        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, (&both, true), 2.0), [4.0, 0.0]);
         // It goes on with what it has begun with.
         let both = [gain(6.0), late(5.0)];
-        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
-        assert_near(after(&mut own, &[gain(9.0)], 2.0), [0.0, -0.05]);
-        // What was sure stays, whatever comes beside it.
+        assert_near(after(&mut own, (&both, true), 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, (&[gain(9.0)], true), 2.0), [0.0, -0.05]);
+    }
+
+    #[test]
+    fn a_correction_stays_while_nothing_has_settled_and_goes_back_where_it_is_something_else() {
+        let late = [found(Cause::ActuatorLate, 4.0, 9.0)];
+        let other = [found(Cause::DisplacementGain, 0.1, 9.0)];
         let mut own = Corrector::default();
-        assert_near(after(&mut own, &[late(9.0)], 2.0), [4.0, 0.0]);
-        let both = [gain(9.0), late(5.0)];
-        assert_near(after(&mut own, &both, 2.0), [4.0, 0.0]);
-        assert_near(after(&mut own, &[gain(9.0)], 2.0), [4.0, -0.05]);
+        assert_near(after(&mut own, (&late, false), 2.0), [0.0, 0.0]);
+        assert_near(after(&mut own, (&late, true), 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, (&[], false), 2.0), [4.0, 0.0]);
+        let beside = [late[0], other[0]];
+        assert_near(after(&mut own, (&beside, false), 2.0), [4.0, 0.0]);
+        assert_near(after(&mut own, (&other, false), 2.0), [0.0, 0.0]);
     }
 
     #[test]
     fn a_correction_is_bounded_in_speed_and_size_by_the_declared_lateness_or_a_share_of_the_period()
     {
         let late = |ms| [found(Cause::ActuatorLate, ms, 9.0)];
-        let first = after(&mut Corrector::default(), &late(40.0), 0.1);
+        let first = after(&mut Corrector::default(), (&late(40.0), true), 0.1);
         assert_near(first, [4.0, 0.0]);
         // 0.15 rad at 6 rad/s, and four fifths of 8 ms.
         assert_near(
-            after(&mut Corrector::default(), &late(40.0), 3.0),
+            after(&mut Corrector::default(), (&late(40.0), true), 3.0),
             [25.0, 0.0],
         );
         assert_near(
-            after(&mut Corrector::default(), &late(-40.0), 3.0),
+            after(&mut Corrector::default(), (&late(-40.0), true), 3.0),
             [-6.4, 0.0],
         );
     }

@@ -267,13 +267,12 @@ impl Judge {
         self.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// What may be corrected for: a set that has settled, where it is one cause or all of them are the actuator's. Nothing while a
-    /// limit is in doubt: what goes further then only runs into it sooner.
-    pub(super) fn settled_to_correct(&self) -> impl Iterator<Item = &Finding> + Clone {
+    /// True if what has settled may be corrected for: it is one cause, or all of them are the actuator's. Not while a limit is in
+    /// doubt: what goes further then only runs into it sooner.
+    pub(super) fn may_correct(&self) -> bool {
         let is_actuator = |f: &Finding| f.cause.side() == Side::Actuator;
         let told = self.settled().all(is_actuator) || self.settled().count() == 1;
-        let may = told && !self.doubts_limit;
-        self.settled().filter(move |_| may)
+        told && !self.doubts_limit
     }
 
     /// The least of `cause` that would be named at best if it acted now, in its unit; `None` where the motion tells nothing of it.

@@ -332,8 +332,8 @@ impl Watch {
     /// error. True if it stops.
     fn act(&mut self) -> bool {
         let k = &self.constants;
-        let settled = self.judge.settled_to_correct();
-        self.corrector.aim(&k.correction, settled);
+        let (settled, may) = (self.judge.settled(), self.judge.may_correct());
+        self.corrector.aim(&k.correction, settled, may);
         let Some(foresight) = &k.foresight else {
             return false;
         };
