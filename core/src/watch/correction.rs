@@ -90,37 +90,52 @@ impl Corrector {
     pub(super) fn aim<'a>(
         &mut self,
         k: &Constants,
-        set: impl Iterator<Item = &'a Finding> + Clone,
+        set: impl Iterator<Item = &'a Finding>,
         may: bool,
     ) {
-        if set.clone().next().is_none() {
-            return;
-        }
-        let can_be = set.filter_map(|f| correction_of(f.cause, k.allowed).map(|(i, a)| (i, a, f)));
-        for (which, goal) in self.goal.iter_mut().enumerate() {
-            if can_be.clone().all(|(other, ..)| other != which) {
-                *goal = 0.0;
+        let (mut found, mut settled) = ([None; 4], false);
+        for f in set {
+            settled = true;
+            if let Some((which, _)) = correction_of(f.cause, k.allowed) {
+                found[which] = Some(f);
             }
         }
-        if !may {
+        if !settled {
             return;
         }
-        let begun = can_be.clone().find(|(which, ..)| self.goal[*which] != 0.0);
-        let deviations = |f: &Finding| (f.value / f.sd).abs();
-        let best = || can_be.max_by(|a, b| deviations(a.2).total_cmp(&deviations(b.2)));
-        let Some((which, allowed, named)) = begun.or_else(best) else {
-            return;
-        };
+        // The one that is corrected for already is further from nothing than any other.
+        let (mut best, mut furthest) = (None, f32::NEG_INFINITY);
+        for (goal, f) in self.goal.iter_mut().zip(found) {
+            let Some(f) = f else {
+                *goal = 0.0;
+                continue;
+            };
+            let deviations = if *goal != 0.0 {
+                f32::INFINITY
+            } else {
+                (f.value / f.sd).abs()
+            };
+            if deviations > furthest {
+                (best, furthest) = (Some(f), deviations);
+            }
+        }
+        if let Some(named) = best.filter(|_| may) {
+            self.aim_at(k, named);
+        }
+    }
+
+    fn aim_at(&mut self, k: &Constants, named: &Finding) {
         let value = named.value / named.cause.per_si();
-        if !allowed || !value.is_finite() {
-            return;
-        }
         let [least_s, most_s] = k.lateness_s;
-        self.goal[which] = match which {
-            LATENESS => larger(smaller(value, most_s), least_s),
-            GAIN => larger(smaller(value, MOST_GAIN), -MOST_GAIN),
-            _ => larger(smaller(value, MOST_SENSOR_S), 0.0),
-        };
+        if let Some((which, true)) = correction_of(named.cause, k.allowed)
+            && value.is_finite()
+        {
+            self.goal[which] = match which {
+                LATENESS => larger(smaller(value, most_s), least_s),
+                GAIN => larger(smaller(value, MOST_GAIN), -MOST_GAIN),
+                _ => larger(smaller(value, MOST_SENSOR_S), 0.0),
+            };
+        }
     }
 
     /// A block later.

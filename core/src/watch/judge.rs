@@ -258,7 +258,7 @@ impl Judge {
     }
 
     /// The causes of a set that has settled, with their values.
-    pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> + Clone {
+    pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> {
         let set = if self.unchanged < SETTLED {
             Set::EMPTY
         } else {
