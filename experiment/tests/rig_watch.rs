@@ -479,6 +479,30 @@ fn without_a_declared_actuator_no_limit_and_no_displacement_that_stands_is_promi
 }
 
 #[test]
+fn what_is_inside_the_declared_tolerance_of_the_mass_or_the_forces_zero_has_no_name() {
+    for (key, rig) in [
+        (
+            "mass_kg",
+            "[[plant.effects]]\nname = 'inertia_force'\nmass_kg = 500\n",
+        ),
+        (
+            "offset_n",
+            "[[plant.effects]]\nname = 'offset'\nsensor = 'force'\noffset_n = 300\nfrom_s = 12\n",
+        ),
+    ] {
+        let wide = format!("declared.specimen.{key}={{value=0,tolerance=600}}");
+        let narrow = format!("declared.specimen.{key}={{value=0,tolerance=0}}");
+        let tried = [wide, narrow].map(|set| run(rig, &[&set]).summary.watch.unwrap());
+        let has_name = |r: &WatchReport| r.events.iter().any(|e| !e.set.is_empty());
+        assert_eq!(
+            tried.each_ref().map(has_name),
+            [false, true],
+            "{key}: {tried:?}"
+        );
+    }
+}
+
+#[test]
 fn where_a_declared_value_cannot_be_watched_nothing_is_and_the_sentence_says_why() {
     let told = [
         "declared.actuator.delay_ms.value=200",

@@ -74,6 +74,7 @@ fn instructions(error_limit: Option<ErrorLimit>) -> Instructions {
             elastic: true,
             damping_n_s_per_m: 300.0,
             mass_kg: 12.0,
+            specimen_tolerances: [10.0, 1.0, 5.0],
             force_gain: 0.99,
             force_offset_n: 15.0,
             noise: [4e-5, 6.0],

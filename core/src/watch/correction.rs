@@ -11,7 +11,7 @@
 //! | a late force | the actuator is ahead by as much, so that the force belongs to the target; the displacement is read later by as much |
 
 use super::declared::Declared;
-use super::name::Cause;
+use super::name::{Cause, Side};
 use super::orders::AxisOrders;
 use super::state::Finding;
 use crate::float::{larger, smaller};
@@ -84,7 +84,8 @@ pub(super) struct Corrector {
 }
 
 impl Corrector {
-    /// A set has settled; `may` be corrected for or not. What is corrected for and not in it any more was not it, and goes back. Of a
+    /// What has settled, if anything has; `may` be corrected for or not. What is corrected for and not in it any more, where something
+    /// else explains the same channel, was not it, and goes back. Of a
     /// lateness and a gain that it does not tell apart it is the one that is corrected for already, or the one that is further from
     /// nothing and so explains more.
     pub(super) fn aim<'a>(
@@ -93,21 +94,22 @@ impl Corrector {
         set: impl Iterator<Item = &'a Finding>,
         may: bool,
     ) {
-        let (mut found, mut settled) = ([None; 4], false);
+        let (mut found, mut explained) = ([None; 4], [false; 2]);
         for f in set {
-            settled = true;
+            if let Some(channel) = channel(f.cause) {
+                explained[channel] = true;
+            }
             if let Some((which, _)) = correction_of(f.cause, k.allowed) {
                 found[which] = Some(f);
             }
         }
-        if !settled {
-            return;
-        }
         // The one that is corrected for already is further from nothing than any other.
         let (mut best, mut furthest) = (None, f32::NEG_INFINITY);
-        for (goal, f) in self.goal.iter_mut().zip(found) {
+        for (which, (goal, f)) in self.goal.iter_mut().zip(found).enumerate() {
             let Some(f) = f else {
-                *goal = 0.0;
+                if explained[usize::from(which == FORCE)] {
+                    *goal = 0.0;
+                }
                 continue;
             };
             let deviations = if *goal != 0.0 {
@@ -170,6 +172,22 @@ impl Corrector {
             reading_late_steps: (displacement_s - force_s) * k.rate_hz,
             hold,
         }
+    }
+}
+
+/// The channel that a cause explains: command to displacement, displacement to force; none where it is no fit's.
+fn channel(cause: Cause) -> Option<usize> {
+    match cause {
+        Cause::DisplacementNoise
+        | Cause::DisplacementHum
+        | Cause::FrozenDisplacement
+        | Cause::ForceNoise
+        | Cause::ForceHum
+        | Cause::FrozenForce => None,
+        _ => Some(match cause.side() {
+            Side::Actuator | Side::Displacement => 0,
+            Side::Force | Side::Specimen => 1,
+        }),
     }
 }
 
@@ -270,6 +288,11 @@ mod tests {
         assert_near(after(&mut own, (&[], false), 2.0), [4.0, 0.0]);
         let beside = [late[0], other[0]];
         assert_near(after(&mut own, (&beside, false), 2.0), [4.0, 0.0]);
+        let elsewhere = [
+            found(Cause::Play, 0.1, 9.0),
+            found(Cause::DisplacementHum, 0.1, 9.0),
+        ];
+        assert_near(after(&mut own, (&elsewhere, false), 2.0), [4.0, 0.0]);
         assert_near(after(&mut own, (&other, false), 2.0), [0.0, 0.0]);
     }
 

@@ -30,6 +30,8 @@ pub struct Declared {
     pub damping_n_s_per_m: f64,
     /// Mass on the load cell, kg.
     pub mass_kg: f64,
+    /// Standard tolerances of the damping, N s/m, the mass, kg, and the force at rest at zero, N.
+    pub specimen_tolerances: [f64; 3],
     /// Force that is read per force.
     pub force_gain: f64,
     /// Force that is read at rest at zero, N.
@@ -93,6 +95,7 @@ impl Declared {
             elastic: true,
             damping_n_s_per_m: 0.0,
             mass_kg: 0.0,
+            specimen_tolerances: [0.0; 3],
             force_gain: 1.0,
             force_offset_n: 0.0,
             noise: [0.0; 2],
@@ -147,7 +150,8 @@ impl Declared {
         ] {
             accept(name, value, value.is_finite(), "a number")?;
         }
-        for &value in a.tolerances.iter().chain(&self.noise) {
+        let tolerances = a.tolerances.iter().chain(&self.specimen_tolerances);
+        for &value in tolerances.chain(&self.noise) {
             let good = value.is_finite() && value >= 0.0;
             accept("tolerance or noise", value, good, "0 or more")?;
         }
@@ -164,14 +168,19 @@ impl Declared {
         let offset = (offset / self.peak_m).max(LEAST_OFFSET);
         let bend = 0.5 * (0.6 * late_s * w * late_s * w + 0.002);
         let slope = self.stiffness_tolerance.max(LEAST_STIFFNESS);
-        let v = 0.5 * (0.012 + 3e-4 * w);
+        // As the force at the peak is of the stiffness.
+        let [damping, mass, force_offset] = self.specimen_tolerances;
+        let per_stiffness = 1.0 / self.stiffness_n_per_m;
+        let v = (0.5 * (0.012 + 3e-4 * w)).max(damping * w * per_stiffness);
+        let mass = (mass * w * w * per_stiffness).max(0.006);
+        let zero = (force_offset * per_stiffness / self.peak_m).max(0.004);
         let to_f32 = |x: f64| x as f32;
         // A stiffness that bends is tolerated up to 30 % at the peak in the whole motion, up to 8 % in what unloads.
         // A friction is what the force jumps by at a turn, where filter and presliding round the corner of a specimen that yields.
         HalfTolerances {
             actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2, 0.002].map(to_f32),
-            force: [0.004, slope, v, 0.006, 0.004, 0.004, 0.15].map(to_f32),
-            unloading: [slope, v, 0.006, 0.005, 0.04].map(to_f32),
+            force: [zero, slope, v, mass, 0.004, 0.004, 0.15].map(to_f32),
+            unloading: [slope, v, mass, 0.005, 0.04].map(to_f32),
         }
     }
 }

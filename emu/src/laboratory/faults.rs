@@ -28,6 +28,10 @@ impl Laboratory {
         // One code up, one down, by a sequence that repeats after seven steps.
         let noise = [0.0, 1.0, -1.0, 1.0, 0.0, -1.0, 0.0][(self.steps % 7) as usize];
         let gone = !self.steps.is_multiple_of(3);
+        // What stands from the first sample on stands where that is.
+        if self.steps == 0 {
+            self.frozen = shown;
+        }
         match self.active {
             Some(InjectedFault::KnownVoltageFlickers) => shown.known_gone = gone,
             Some(InjectedFault::ReadBackFlickers) => shown.read_back_open = gone,

@@ -106,6 +106,9 @@ const SEEN_STEPS: usize = 2600;
 /// Control steps in a millisecond.
 const STEPS_PER_MS: f64 = 2.0;
 
+/// Control steps from `Arm` to a test that may start, at most.
+const LONGEST_APPROACH: usize = 4000;
+
 /// With PERMIT before a test starts, control steps, at most.
 const BEFORE_THE_START: usize = 150;
 
@@ -211,7 +214,8 @@ fn beyond_before_arming(fault: InjectedFault, limits: &Limits) -> f64 {
     beyond_m
 }
 
-/// A whole test, or what there is of it until PERMIT falls: where the piston was since the start, m.
+/// A whole test, or what there is of it until PERMIT falls: where the piston was since the start, m. Nothing where a fault that is
+/// there from the first sample on lets no test start.
 fn run(
     actuator: Actuator,
     fault: Option<InjectedFault>,
@@ -219,9 +223,23 @@ fn run(
     limits: &Limits,
 ) -> Vec<f64> {
     let mut desk = desk(actuator, fault, after_steps, 0.0, limits);
-    desk.order(Command::Event(Event::Arm));
-    while desk.step().mode() != Some(Mode::Armed) {}
-    while desk.step().command_m != 0.0 {}
+    let from_the_first = fault.is_some() && after_steps == 0;
+    if from_the_first {
+        if !matches!(desk.ask(Command::Event(Event::Arm)), Reply::Done { .. }) {
+            return Vec::new();
+        }
+        let starts = (0..LONGEST_APPROACH).any(|_| {
+            let step = desk.step();
+            step.mode() == Some(Mode::Armed) && step.command_m == 0.0
+        });
+        if !starts {
+            return Vec::new();
+        }
+    } else {
+        desk.order(Command::Event(Event::Arm));
+        while desk.step().mode() != Some(Mode::Armed) {}
+        while desk.step().command_m != 0.0 {}
+    }
     desk.order(Command::Event(Event::Start));
     let mut moved = 0;
     let mut before_power_up = None;
@@ -262,7 +280,7 @@ fn beyond_in_a_test(
     let went = run(actuator, Some(fault), after_steps, limits);
     let held = BEHIND
         .contains(&fault)
-        .then(|| after_steps as usize - BEFORE_THE_START);
+        .then(|| (after_steps as usize).saturating_sub(BEFORE_THE_START));
     // The target goes ahead of a sound piston by the actuator's delay: neither is beyond the plan.
     let ahead = (actuator.delay_ms * STEPS_PER_MS) as usize;
     let apart = went.iter().enumerate().map(|(i, went)| {
@@ -369,6 +387,13 @@ fn a_wrong_output_moves_an_actuator_that_answers_at_once_less_than_2_mm() {
     }
 }
 
+/// A fault from the first sample on that does not keep the board from being armed, or was over by then: the test is started with it.
+#[test]
+#[ignore = "nightly: five minutes"]
+fn tests_that_start_with_a_single_fault_go_nowhere_beyond_the_plan() {
+    assert_eq!(each(USUAL, &FAULTS, &[0]), [""; 0]);
+}
+
 /// What a test moves whose limits nobody has stated, and whose piston a person confirmed without looking.
 #[test]
 #[ignore = "nightly: ten minutes"]
@@ -400,7 +425,7 @@ macro_rules! parts {
     ($($name:ident $part:literal)*) => {
         $(
             #[test]
-            #[ignore = "nightly: all of them three quarters of an hour"]
+            #[ignore = "nightly: all of them a quarter of an hour"]
             fn $name() {
                 let part = FAULTS.len() * $part / PARTS..FAULTS.len() * ($part + 1) / PARTS;
                 let faults = &FAULTS[part];

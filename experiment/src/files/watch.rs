@@ -14,7 +14,7 @@ pub struct WatchSettings {
     pub on: bool,
     /// Hold what an adaptive compensation has learnt at what was declared while the displacement transducer is among the causes.
     pub guard: bool,
-    /// What the loop corrects for once a set has settled in which exactly one cause can be corrected: `lateness` and `gain` of the
+    /// What the loop corrects for once a set has settled that is one cause or the actuator's alone: `lateness` and `gain` of the
     /// actuator, `late_sensor`.
     pub correct: Vec<String>,
     /// Largest error, rms and of the planned peak, that what is named may be predicted to add by the end of the test; beyond, the

@@ -112,6 +112,11 @@ pub(super) fn of_model(model: &Model, scales: &Scales) -> Declared {
             && !specimen.elements.iter().any(|e| e.enabled),
         damping_n_s_per_m: 1e3 * value(specimen.damping_n_s_per_mm),
         mass_kg: value(specimen.mass_kg),
+        specimen_tolerances: [
+            1e3 * tolerance(specimen.damping_n_s_per_mm),
+            tolerance(specimen.mass_kg),
+            tolerance(specimen.offset_n),
+        ],
         force_gain: known[Quantity::ForceGain],
         force_offset_n: value(specimen.offset_n),
         noise: scales.noise,

@@ -97,6 +97,7 @@ pub fn told(
         elastic: true,
         damping_n_s_per_m: 0.0,
         mass_kg: 0.0,
+        specimen_tolerances: [0.0; 3],
         force_gain: 1.0,
         force_offset_n: 0.0,
         noise: [0.0; 2],
