@@ -1,7 +1,8 @@
 //! Corrections of what was named: lateness and gain of the actuator, sensors that read late.
 //!
 //! Each moves towards the value of a name that has settled, by a bounded step a block and inside bounds. It stays where it is while
-//! nothing has settled, and goes back where what has settled is something else. The watch goes on comparing the commands with what came of them, so a correction does not change what it finds.
+//! nothing has settled, and goes back where what has settled is something else. The watch goes on comparing the commands with what came
+//! of them, so a correction does not change what it finds.
 //!
 //! | what | how |
 //! |---|---|
@@ -85,9 +86,8 @@ pub(super) struct Corrector {
 
 impl Corrector {
     /// What has settled, if anything has; `may` be corrected for or not. What is corrected for and not in it any more, where something
-    /// else explains the same channel, was not it, and goes back. Of a
-    /// lateness and a gain that it does not tell apart it is the one that is corrected for already, or the one that is further from
-    /// nothing and so explains more.
+    /// else explains the same channel, was not it, and goes back. Of a lateness and a gain that it does not tell apart it is the one that
+    /// is corrected for already, or the one that is further from nothing and so explains more.
     pub(super) fn aim<'a>(
         &mut self,
         k: &Constants,
@@ -103,7 +103,7 @@ impl Corrector {
                 found[which] = Some(f);
             }
         }
-        // The one that is corrected for already is further from nothing than any other.
+        // What is corrected for already goes before all others.
         let (mut best, mut furthest) = (None, f32::NEG_INFINITY);
         for (which, (goal, f)) in self.goal.iter_mut().zip(found).enumerate() {
             let Some(f) = f else {

@@ -2,6 +2,7 @@
 
 use crate::common::{Bench, Spring, bench, config, pulse, started};
 use firmware::sim::{self, CODES};
+use firmware::step_time::CORRECTION_CYCLES;
 use link::Calibration;
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
@@ -109,15 +110,17 @@ fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
 #[test]
 fn a_correction_is_refused_where_a_step_leaves_no_time_for_it() {
     // The stopwatch stands: all of the deadline is left.
-    for (deadline_ticks, refused_with) in [(349, Some(349.0)), (350, None)] {
+    let most = CORRECTION_CYCLES;
+    for (deadline_ticks, refused_with) in [(most - 1, Some(f64::from(most - 1))), (most, None)] {
         let mut found = sim::Bench::<Spring>::well("sim");
-        (found.clock.deadline_ticks, found.clock.correction_ticks) = (deadline_ticks, 350);
+        (found.clock.deadline_ticks, found.clock.correction_ticks) = (deadline_ticks, most);
         let mut b = started(found);
         done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
         done(&b.ask(Command::Configure(config())));
         let said = match b.ask(Command::Watch(0, instructions())) {
             Reply::Refused(refused) => {
                 assert_eq!(refused.name, "watch.correct");
+                assert!(refused.accepted.contains(&most.to_string()), "{refused:?}");
                 Some(refused.value)
             }
             _ => None,

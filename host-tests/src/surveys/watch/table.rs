@@ -443,3 +443,22 @@ pub fn by_effect(kinds: &[Kind], faulty: &[FaultTrial]) -> Vec<[String; 9]> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_holds_where_it_is_no_worse_than_on_the_page_by_more_than_chance() {
+        let at_least = |n| Share { n, of: 100 }.holds_at_least(0.9);
+        // Four deviations of 90 of 100 are 12.
+        assert_eq!([77, 78, 100].map(at_least), [false, true, true]);
+        let at_most = |n| Share { n, of: 1000 }.holds_at_most(1e-3);
+        // One, four deviations of very nearly one, and one more: just below six.
+        assert_eq!([1, 5, 6].map(at_most), [true, true, false]);
+        assert!(
+            Share { n: 0, of: 0 }.holds_at_least(0.9),
+            "nothing was asked"
+        );
+    }
+}
