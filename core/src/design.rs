@@ -28,6 +28,10 @@ pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
     pub(crate) rig: R::Constants,
 }
 
+/// Time constant of the acceleration by which the watch has a command sent further ahead, as a phase of the first mode. Without it a
+/// mass at the load cell and an actuator that resonates shake each other. Of 0.15 rad of lead it takes 1 permille of the peak.
+const LEAD_FOLLOWS_RAD: f64 = 0.1;
+
 /// What every step uses, whatever the compensation.
 #[derive(Clone, Debug)]
 pub(crate) struct StepConstants<const N: usize> {
@@ -35,6 +39,8 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) signal: signal::SignalConstants,
     /// Control steps by which the target is advanced.
     pub(crate) lead_steps: f32,
+    /// Share by which the acceleration of what is sent further ahead follows the target's in a control step.
+    pub(crate) lead_follows: f32,
     /// True if the sent command differs from the target: there is a predictor, or the actuator's gain or offset is
     /// corrected.
     pub(crate) predicts: bool,
@@ -146,6 +152,10 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
             lead_steps: c.lead_steps as f32,
+            lead_follows: {
+                let step_rad = omega * dt_s / f64::from(t.substeps);
+                (1.0 - libm::exp(-step_rad / LEAD_FOLLOWS_RAD)) as f32
+            },
             predicts: corrects[1] || c.kind.predictor != Prediction::None || c.lead_steps != 0.0,
             command: config.rig.command(),
             corrects: corrects[0],

@@ -132,6 +132,8 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     aimed_step_m: [f32; N],
     /// By how much the last target was led, m.
     lead_m: [f32; N],
+    /// Acceleration by which it was, m per control step squared.
+    lead_acceleration_m: [f32; N],
     /// While resuming: the share of the prediction that is sent.
     resume_share: f32,
     /// Targets from outside: how the actuator moves to them, the next target, and the force returned for the last.
@@ -165,6 +167,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             target_m: [0.0; N],
             aimed_step_m: [0.0; N],
             lead_m: [0.0; N],
+            lead_acceleration_m: [0.0; N],
             resume_share: 0.0,
             idle_mean_m: None,
             commissioning_m: [0.0; N],

@@ -4,7 +4,7 @@ use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
-use experiment::watch::{WatchEvent, WatchReport};
+use experiment::watch::{NamedCause, WatchEvent, WatchReport};
 use std::path::Path;
 
 /// 1 Hz, 40 mm, 14 ms of an actuator that is as declared, and sensors with 0.1 % of noise.
@@ -294,6 +294,85 @@ fn a_delay_that_jumps_is_corrected_and_what_it_adds_to_the_error_is_halved() {
 }
 
 #[test]
+fn a_gain_and_a_late_force_are_corrected_and_what_they_add_to_the_error_is_halved() {
+    let allowed = "watch.correct=['lateness','gain','late_sensor']";
+    let sound = run("", &[]).summary.eps_rms;
+    for (what, effect) in [
+        (
+            "gain_error",
+            "channel = 'actuator'\nname = 'gain_error'\nerror = -0.08",
+        ),
+        ("channel_skew", "name = 'channel_skew'\nskew_ms = 8"),
+    ] {
+        let effect = format!("[[plant.effects]]\nfrom_s = 6\n{effect}\n");
+        let [plain, corrected] = [&[][..], &[allowed]].map(|set| run(&effect, set).summary);
+        println!(
+            "{effect}: eps_rms sound {sound:.4}, with it {:.4}, corrected {:.4}; {}",
+            plain.eps_rms,
+            corrected.eps_rms,
+            corrected.watch.as_ref().unwrap().sentence()
+        );
+        let [added, left] = [&plain, &corrected].map(|s| s.eps_rms - sound);
+        assert!(left < 0.5 * added, "{effect}: {left} of {added}");
+        let steps = corrected.watch.unwrap().corrections;
+        assert!(!steps.is_empty() && steps.iter().all(|c| c.name == what));
+    }
+}
+
+#[test]
+fn a_set_with_a_sensor_in_it_is_not_corrected_for() {
+    // Specimen and load cell are not declared: nothing tells an actuator that goes too far from a transducer that reads too much.
+    let (before, _) = RIG.split_once("[declared.specimen]").unwrap();
+    let (_, behind) = RIG.split_once("tolerance = 3 }\n").unwrap();
+    let text = format!(
+        "{before}{behind}[[plant.effects]]\nchannel = 'actuator'\nname = 'gain_error'\nerror = -0.08\nfrom_s = 6\n"
+    );
+    let set = "watch.correct=['lateness','gain','late_sensor']".to_owned();
+    let report = run_file(&text, &[set]).summary.watch.unwrap();
+    let last = report.events.last().unwrap();
+    assert!(holds(last, "gain_error", "actuator") && holds(last, "gain_error", "displacement"));
+    assert!(
+        report.corrections.is_empty() && !last.corrected,
+        "{report:?}"
+    );
+}
+
+#[test]
+fn what_a_sensor_shows_after_something_else_has_a_name_is_named_beside_it() {
+    let correct = "watch.correct=['lateness']";
+    for (name, side, size) in [
+        ("mains_hum", "displacement", "amplitude_mm = 0.5"),
+        ("mains_hum", "force", "amplitude_n = 100"),
+        ("sensor_noise", "force", "rms_n = 60"),
+    ] {
+        let second =
+            format!("[[plant.effects]]\nfrom_s = 12\nname = '{name}'\nsensor = '{side}'\n{size}\n");
+        let report = run(&format!("{JUMP}{second}"), &[correct]).summary.watch;
+        let report = report.unwrap();
+        let first = named(&report);
+        assert!(holds(first, "delay_error", "actuator") && !holds(first, name, side));
+        let last = report.events.last().unwrap();
+        println!("{}", report.sentence());
+        assert!(
+            holds(last, "delay_error", "actuator") && holds(last, name, side),
+            "{name} of {side}: {report:?}"
+        );
+        let beside = |c: &&NamedCause| c.beside;
+        let names: Vec<_> = last
+            .set
+            .iter()
+            .filter(beside)
+            .map(|c| (c.name, c.side))
+            .collect();
+        assert_eq!(names, [(name, side)]);
+        assert!(report.sentence().contains(&format!("; and {name} of the ")));
+        // It goes on being corrected for.
+        let corrected = report.corrections.last().unwrap();
+        assert!(last.corrected && corrected.corrected > 8.0, "{corrected:?}");
+    }
+}
+
+#[test]
 fn a_correction_that_finds_nothing_to_correct_changes_no_bit() {
     for more in ["", "[plant.specimen]\nkind = 'bilinear'\nyield_mm = 12\n"] {
         for method in ["compensation.kind='paper'", "compensation.kind='inverse'"] {
@@ -500,6 +579,25 @@ fn what_is_inside_the_declared_tolerance_of_the_mass_or_the_forces_zero_has_no_n
             "{key}: {tried:?}"
         );
     }
+}
+
+#[test]
+fn a_load_cell_with_a_declared_mass_has_no_noise_of_its_own() {
+    // A noise that comes up with the motion is the mass's as well as the sensor's.
+    let rig =
+        "[[plant.effects]]\nname = 'sensor_noise'\nsensor = 'force'\nrms_n = 60\nfrom_s = 8\n";
+    let declared = "declared.specimen.mass_kg={value=20,tolerance=4}";
+    let [undeclared, declared] =
+        [&[][..], &[declared]].map(|set| run(rig, set).summary.watch.unwrap());
+    assert!(holds(named(&undeclared), "sensor_noise", "force"));
+    assert!(
+        declared.events.iter().all(|e| e.set.is_empty()),
+        "{declared:?}"
+    );
+    let [said] = &declared.not_watched[..] else {
+        panic!("{declared:?}")
+    };
+    assert!(said.starts_with("Noise and hum of the load cell"), "{said}");
 }
 
 #[test]

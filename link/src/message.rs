@@ -321,6 +321,7 @@ mod tests {
             cause: Cause::ForceHum,
             value: f32::MAX,
             sd: f32::MAX,
+            corrected: f32::MAX,
         };
         let replies = std::vec![
             Reply::Identity(Identity {
@@ -371,6 +372,7 @@ mod tests {
                     state: State::Trip,
                     since_step: u32::MAX,
                     named: [found; MAX_NAMED].into_iter().collect(),
+                    held: true,
                     blocks: u32::MAX,
                     worst_cycles: u32::MAX,
                     mean_cycles: u32::MAX,

@@ -22,6 +22,10 @@ pub struct NumberedReply {
 
 /// What the answer can be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "without a heap nothing can be boxed"
+)]
 pub enum Reply {
     /// Who the board is.
     Identity(Identity),

@@ -62,6 +62,8 @@ pub struct NamedCause {
     pub value: f32,
     /// Its standard deviation.
     pub sd: f32,
+    /// How much of it is corrected for, 0 where nothing is.
+    pub corrected: f32,
 }
 
 impl NamedCause {
@@ -84,6 +86,8 @@ pub struct WatchStatus {
     pub since_step: u32,
     /// What is named of each actuator.
     pub named: Vec<NamedCause, MAX_NAMED>,
+    /// What a compensation learns is held.
+    pub held: bool,
     /// Blocks of steps judged since the test is in force.
     pub blocks: u32,
     /// Cycles of the processor, interrupts in between included, that judging a block took at most.

@@ -325,11 +325,13 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         cause: Cause::ActuatorLate,
         value: 12.5,
         sd: 0.5,
+        corrected: 11.5,
     };
     watched.watch = Some(WatchStatus {
         state: State::Named,
         since_step: 18_752,
         named: core::iter::once(late).collect(),
+        held: true,
         blocks: 5000,
         worst_cycles: 30_000,
         mean_cycles: 9000,

@@ -62,6 +62,9 @@ pub fn of_coupled_check(
         percent(c.expected_eps_rms_differing),
     ));
     d.tell(experiment.in_words());
+    if let Some(watch) = &c.planned.watch {
+        d.tell(watch.not_watched.join(" "));
+    }
     d.tiles(vec![
         (
             percent(c.expected_eps_rms),

@@ -54,7 +54,7 @@ fn lead(s: &SessionSection<'_>) -> String {
     };
     format!(
         "{} targets to {:.2} s of the model, {pace}; the rig at {} Hz. The integration was the client's: what its \
-         structure did, and how far that is from its own analysis, only the client knows.",
+         structure did, and how far that is from its own analysis, only the client knows. The rig watch does not look at sessions.",
         s.summary.targets, s.summary.model_s, timing.rate_hz
     )
 }

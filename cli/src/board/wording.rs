@@ -1,6 +1,6 @@
 //! What a board says, in words.
 
-use experiment::watch::NamedCause;
+use experiment::watch::{NamedCause, WatchEvent};
 use link::reply::Identity;
 use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
 
@@ -149,18 +149,24 @@ fn describe_watch(
 ) -> String {
     let us = |cycles: u32| f64::from(cycles) / clock_hz * 1e6;
     let since_s = f64::from(watch.since_step) * f64::from(period_cycles) / clock_hz;
-    let said = |named: &link::status::NamedCause| {
+    let named = |named: &link::status::NamedCause| {
         let actuator = (actuators > 1).then_some(usize::from(named.actuator));
-        NamedCause::of(&named.finding(), actuator).in_words()
+        let corrected = f64::from(named.corrected);
+        NamedCause {
+            corrected: (corrected != 0.0).then_some(corrected),
+            ..NamedCause::of(&named.finding(), actuator)
+        }
     };
-    let names: Vec<String> = watch.named.iter().map(said).collect();
-    let said = match &names[..] {
-        [] => String::new(),
-        names => format!(": {}", names.join(", or ")),
+    let now = WatchEvent {
+        t_s: since_s,
+        state: watch.state.name(),
+        set: watch.named.iter().map(named).collect(),
+        corrected: watch.named.iter().any(|named| named.corrected != 0.0),
+        held: watch.held,
     };
     format!(
-        "the rig watch says {} since {since_s:.2} s after the start{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
-        watch.state.name(),
+        "the rig watch says {} ({} blocks judged, {:.0} us each at worst, {:.0} us on average)",
+        now.in_words(),
         watch.blocks,
         us(watch.worst_cycles),
         us(watch.mean_cycles)
@@ -179,6 +185,10 @@ mod tests {
             cause,
             value,
             sd: 0.1 * value,
+            corrected: match cause {
+                Cause::ActuatorLate => 11.5,
+                _ => 0.0,
+            },
         };
         let watch = WatchStatus {
             state: State::Named,
@@ -189,14 +199,16 @@ mod tests {
             ]
             .into_iter()
             .collect(),
+            held: true,
             blocks: 5000,
             worst_cycles: 16_800,
             mean_cycles: 1680,
         };
         assert_eq!(
             describe_watch(&watch, 3, 168e6, 84_000),
-            "the rig watch says named since 9.00 s after the start: delay_error of the actuator 2 (12.0 ms, 10.0 to 14.0), or \
-             gain_error of the load cell 2 (0.0500, 0.0418 to 0.0582); 5000 blocks judged, 100 us each at worst, 10 us on average"
+            "the rig watch says named since 9.00 s: delay_error of the actuator 2 (12.0 ms, 10.0 to 14.0), or gain_error of the load \
+             cell 2 (0.0500, 0.0418 to 0.0582); delay_error is corrected for by 11.5 ms; what the compensation learns is held at what \
+             was declared (5000 blocks judged, 100 us each at worst, 10 us on average)"
         );
     }
 }

@@ -172,7 +172,10 @@ fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
     let settled = events.iter().position(only_late).unwrap();
     let line = format!("<li>at the end: {}", since(settled));
     assert!(settled < end && page.contains(&line), "{line}");
-    assert!(page.contains("delay_error of the actuator") && page.contains("; it is corrected for"));
+    assert!(
+        page.contains("delay_error of the actuator")
+            && page.contains("; delay_error is corrected for by ")
+    );
     // The record behind the name is diagnosed, too, and the sentence says what came of it.
     let diagnosis = &ran["watch"]["diagnosis"];
     assert!(page.contains(diagnosis["sentence"].as_str().unwrap()));

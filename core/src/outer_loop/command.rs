@@ -46,7 +46,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         if k.lead_steps != 0.0 || adjusted {
             // Numerical degrees of freedom are sent where they are wanted.
             for j in 0..N {
-                ahead[j] = ahead[j].led_by(k.lead_steps + self.post.axis(j).lead_steps);
+                let motion = ahead[j].led_by(k.lead_steps);
+                let follows = &mut self.lead_acceleration_m[j];
+                *follows += k.lead_follows * (motion.acceleration_m - *follows);
+                ahead[j] = motion.led_at(self.post.axis(j).lead_steps, *follows);
                 self.lead_m[j] = ahead[j].displacement_m - next_m[j];
                 if j < k.physical {
                     send_m[j] = ahead[j].displacement_m;

@@ -165,6 +165,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             rig,
             aimed_step_m,
             lead_m,
+            lead_acceleration_m,
             resume_share,
             pace: _,
             next_target_m,
@@ -177,6 +178,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *resume_share, *commissioning_m) = (0.0, 0.0, [0.0; N]);
         (*target_m, *aimed_step_m, *lead_m) = (*aimed_m, [0.0; N], [0.0; N]);
+        *lead_acceleration_m = [0.0; N];
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);
         *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));

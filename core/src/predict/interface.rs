@@ -59,9 +59,16 @@ impl TargetMotion {
     /// The motion `steps` control steps later, at constant acceleration.
     #[inline]
     pub fn led_by(&self, steps: f32) -> Self {
+        self.led_at(steps, self.acceleration_m)
+    }
+
+    /// The motion `steps` control steps later, at an acceleration that is not quite its own, m per control step squared.
+    #[inline]
+    pub(crate) fn led_at(&self, steps: f32, acceleration_m: f32) -> Self {
+        let gained_m = steps * acceleration_m;
         Self {
-            displacement_m: self.after(steps),
-            velocity_m: self.velocity_m + steps * self.acceleration_m,
+            displacement_m: self.displacement_m + steps * (self.velocity_m + 0.5 * gained_m),
+            velocity_m: self.velocity_m + gained_m,
             acceleration_m: self.acceleration_m,
         }
     }

@@ -96,8 +96,8 @@ impl Corrector {
     ) {
         let (mut found, mut explained) = ([None; 4], [false; 2]);
         for f in set {
-            if let Some(channel) = channel(f.cause) {
-                explained[channel] = true;
+            if f.cause.is_fitted() {
+                explained[channel(f.cause)] = true;
             }
             if let Some((which, _)) = correction_of(f.cause, k.allowed) {
                 found[which] = Some(f);
@@ -175,19 +175,11 @@ impl Corrector {
     }
 }
 
-/// The channel that a cause explains: command to displacement, displacement to force; none where it is no fit's.
-fn channel(cause: Cause) -> Option<usize> {
-    match cause {
-        Cause::DisplacementNoise
-        | Cause::DisplacementHum
-        | Cause::FrozenDisplacement
-        | Cause::ForceNoise
-        | Cause::ForceHum
-        | Cause::FrozenForce => None,
-        _ => Some(match cause.side() {
-            Side::Actuator | Side::Displacement => 0,
-            Side::Force | Side::Specimen => 1,
-        }),
+/// The channel that a cause explains: command to displacement, displacement to force.
+fn channel(cause: Cause) -> usize {
+    match cause.side() {
+        Side::Actuator | Side::Displacement => 0,
+        Side::Force | Side::Specimen => 1,
     }
 }
 

@@ -267,11 +267,12 @@ impl Judge {
         self.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// True if what has settled may be corrected for: it is one cause, or all of them are the actuator's. Not while a limit is in
-    /// doubt: what goes further then only runs into it sooner.
+    /// True if what has settled may be corrected for: it is one cause, or all of them are the actuator's, whatever a sensor shows beside
+    /// them. Not while a limit is in doubt: what goes further then only runs into it sooner.
     pub(super) fn may_correct(&self) -> bool {
+        let fitted = || self.settled().filter(|f| f.cause.is_fitted());
         let is_actuator = |f: &Finding| f.cause.side() == Side::Actuator;
-        let told = self.settled().all(is_actuator) || self.settled().count() == 1;
+        let told = fitted().all(is_actuator) || fitted().count() == 1;
         told && !self.doubts_limit
     }
 
@@ -517,8 +518,15 @@ impl Judge {
     /// State and published set at the end of a round.
     fn settle(&mut self, k: &Constants, doubtful: bool) {
         let heard = core::mem::take(&mut self.heard);
-        let mut set = Set::EMPTY;
+        let (mut set, mut beside) = (Set::EMPTY, Set::EMPTY);
         for (member, &cause) in self.member.iter_mut().zip(Cause::ALL) {
+            if !cause.is_fitted() {
+                // It stays named: a noise is looked for more seldom than a judgement is made, and has been there several times.
+                if heard.has(cause) || self.published.has(cause) {
+                    beside.add(cause);
+                }
+                continue;
+            }
             let (before, now) = (
                 f32::from(*member),
                 if heard.has(cause) { ALWAYS } else { 0.0 },
@@ -532,7 +540,9 @@ impl Judge {
         if first {
             self.published = heard;
         } else if !set.is_empty() {
-            self.published = set;
+            self.published = set.with(beside);
+        } else {
+            self.published = self.published.with(beside);
         }
         if doubtful || !heard.is_empty() {
             let falls_back = (FALLS_BACK * k.blocks_a_period) as u32;

@@ -149,6 +149,8 @@ struct Constants {
     has: [bool; 2],
     alone: bool,
     elastic: bool,
+    /// Mass at the load cell is declared: its force shakes with the motion, so no noise and no hum of it is one of the sensor.
+    heavy: bool,
 }
 
 impl Watch {
@@ -185,6 +187,7 @@ impl Watch {
                 has: [declared.has_actuator, declared.has_specimen],
                 alone: declared.alone,
                 elastic: declared.elastic,
+                heavy: declared.mass_kg > 0.0,
             },
             corrector: Corrector::default(),
             alarm: None,
@@ -243,7 +246,7 @@ impl Watch {
     /// What is asked of the loop for this actuator.
     pub fn axis_orders(&self) -> AxisOrders {
         let k = &self.constants;
-        let hold = k.hold && self.judge.published.touches(Side::Displacement);
+        let hold = k.hold && self.judge.published.teaches_wrongly();
         self.corrector.orders(&k.correction, hold)
     }
 
@@ -297,7 +300,7 @@ impl Watch {
             let least = k.least_noise[j];
             let heard = self.listeners[j].add(&k.noise, pair, moves, least);
             let sigma = self.listeners[j].sigma();
-            match heard {
+            match heard.filter(|_| j == 0 || !k.heavy) {
                 Some(Heard::Noise(times)) => self.judge.name_noise(&k.judge, j, times * sigma),
                 Some(Heard::Hum(amplitude)) => self.judge.name_hum(&k.judge, j, amplitude),
                 None => {}
@@ -338,7 +341,8 @@ impl Watch {
             return false;
         };
         let now_s = self.blocks as f32 * k.block_s;
-        let errors = self.judge.settled().map(|f| {
+        let fitted = self.judge.settled().filter(|f| f.cause.is_fitted());
+        let errors = fitted.map(|f| {
             let corrected = self.corrector.will_be_of(f.cause);
             foresight.error(f, corrected, now_s)
         });

@@ -148,13 +148,27 @@ impl Cause {
         }
     }
 
+    /// True if fitting the motion finds it, so that of several the motion may leave only one; false of what one sensor shows by itself,
+    /// whatever else is wrong: a noise, a hum, a reading that stands.
+    pub const fn is_fitted(self) -> bool {
+        !matches!(
+            self,
+            Self::DisplacementNoise
+                | Self::ForceNoise
+                | Self::DisplacementHum
+                | Self::ForceHum
+                | Self::FrozenDisplacement
+                | Self::FrozenForce
+        )
+    }
+
     /// The cause with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
     }
 }
 
-/// Causes that a motion does not tell apart.
+/// Causes that a motion does not tell apart, and what a sensor shows beside them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Set(u32);
@@ -193,9 +207,11 @@ impl Set {
         Cause::ALL.iter().copied().filter(move |c| self.has(*c))
     }
 
-    /// True if one of them is on `side`.
-    pub fn touches(self, side: Side) -> bool {
-        self.causes().any(|c| c.side() == side)
+    /// True if one of them has a compensation that learns follow a displacement transducer that is wrong. A noise or a hum has not: it
+    /// has a mean of nothing, and is also what a rig shows that shakes, which a compensation that goes on learning may calm.
+    pub fn teaches_wrongly(self) -> bool {
+        let wrong = |c: Cause| c.side() == Side::Displacement && c.is_fitted();
+        self.causes().any(wrong)
     }
 }
 
@@ -216,6 +232,10 @@ mod tests {
         set.add(Cause::ForceGain);
         set.add(Cause::StiffnessLoss);
         assert!(set.causes().eq([Cause::ForceGain, Cause::StiffnessLoss]));
-        assert!(set.touches(Side::Force) && !set.touches(Side::Displacement));
+        assert!(!set.teaches_wrongly());
+        set.add(Cause::DisplacementHum);
+        assert!(!set.teaches_wrongly());
+        set.add(Cause::DisplacementGain);
+        assert!(set.teaches_wrongly());
     }
 }

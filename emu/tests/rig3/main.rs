@@ -14,6 +14,8 @@ mod converters;
 mod desk;
 #[path = "../common/example.rs"]
 mod example;
+#[path = "../common/load.rs"]
+mod load;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;

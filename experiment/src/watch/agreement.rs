@@ -181,6 +181,7 @@ mod tests {
             value: 1.0,
             unit: "",
             ci90: [0.5, 1.5],
+            beside: false,
             corrected: None,
         };
         let event = |set: &&[(&'static str, &'static str)]| WatchEvent {

@@ -21,6 +21,9 @@ pub struct NamedCause {
     pub unit: &'static str,
     /// Interval of 90 %.
     pub ci90: [f64; 2],
+    /// True of a noise, a hum or a reading that stands: a sensor shows it by itself, so it is there beside whatever else is in the set.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub beside: bool,
     /// How much of it the loop corrects for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected: Option<f64>,
@@ -33,7 +36,7 @@ pub struct WatchEvent {
     pub t_s: f64,
     /// The state from then on.
     pub state: &'static str,
-    /// The causes that the motion does not tell apart.
+    /// The causes that the motion does not tell apart, and what a sensor shows beside them.
     pub set: Vec<NamedCause>,
     /// True if the loop corrects for one of them.
     pub corrected: bool,
@@ -139,11 +142,7 @@ impl WatchReport {
             }
             _ => String::new(),
         };
-        let names: Vec<String> = last.set.iter().map(NamedCause::in_words).collect();
-        let what = match &names[..] {
-            [one] => one.clone(),
-            several => format!("one of {}", several.join(", ")),
-        };
+        let what = last.causes_in_words(|several| format!("one of {}", several.join(", ")));
         let stopped = if self.state == "trip" {
             " The test cannot be trusted from there on."
         } else {
@@ -250,30 +249,47 @@ impl Watchable {
 }
 
 impl WatchEvent {
-    /// As `named since 9.40 s: delay_error of the actuator (12.1 ms, 11.8 to 12.4); it is corrected for`.
+    /// As `named since 9.40 s: delay_error of the actuator (12.1 ms, 11.8 to 12.4); delay_error is corrected for by 11.9 ms`.
     pub fn in_words(&self) -> String {
         self.since(self.t_s)
     }
 
     /// The same, where it has been so since another instant.
     fn since(&self, t_s: f64) -> String {
-        let causes: Vec<String> = self.set.iter().map(NamedCause::in_words).collect();
         let mut said = format!("{} since {t_s:.2} s", self.state);
-        if !causes.is_empty() {
+        if !self.set.is_empty() {
             said += ": ";
-            said += &causes.join(", or ");
+            said += &self.causes_in_words(|several| several.join(", or "));
         }
-        if self.corrected {
-            said += "; it is corrected for";
+        for cause in &self.set {
+            if let Some(corrected) = cause.corrected {
+                let by = with_unit(corrected, cause.unit);
+                said += &format!("; {} is corrected for by {by}", cause.name);
+            }
         }
         if self.held {
-            said += "; the compensation is held at what was declared";
+            said += "; what the compensation learns is held at what was declared";
         }
         said
     }
 }
 
 impl WatchEvent {
+    /// Its set in words: what the motion does not tell apart as `several` has it, of each actuator, and what a sensor shows beside it.
+    fn causes_in_words(&self, several: impl Fn(&[String]) -> String) -> String {
+        let (fitted, beside): (Vec<_>, Vec<_>) = self.set.iter().partition(|c| !c.beside);
+        let mut all = Vec::new();
+        for of_one in fitted.chunk_by(|a, b| a.actuator == b.actuator) {
+            let names: Vec<String> = of_one.iter().map(|c| c.in_words()).collect();
+            all.push(match &names[..] {
+                [one] => one.clone(),
+                names => several(names),
+            });
+        }
+        all.extend(beside.iter().map(|c| c.in_words()));
+        all.join("; and ")
+    }
+
     /// Whether it says of the same causes what another one does, whatever their values are by now.
     fn says_the_same(&self, other: &Self) -> bool {
         self.state == other.state && self.causes() == other.causes()
@@ -297,6 +313,7 @@ impl NamedCause {
             value: f64::from(found.value),
             unit: cause.unit(),
             ci90: found.interval_90().map(f64::from),
+            beside: !cause.is_fitted(),
             corrected: None,
         }
     }
@@ -327,6 +344,7 @@ mod tests {
             value,
             unit: "ms",
             ci90: [value - 0.5, value + 0.5],
+            beside: false,
             corrected: None,
         };
         WatchEvent {

@@ -32,6 +32,9 @@ pub struct TestWatch {
 const UNSEEN_BLOCKS: u64 = 8;
 /// How often it is asked what would be named.
 const BLOCKS_A_LOOK: u64 = 50;
+/// Of two actuators on one coupler the coordinates are not the actuators'.
+const COUPLED: &str =
+    "Nothing is watched: the rig watch does not look at two actuators on one coupler.";
 /// A correction is noted when it has changed by more than this, in its unit, and so long after the last one, s of the model.
 const CHANGED: f64 = 1e-3;
 const LEAST_S: f64 = 0.05;
@@ -43,11 +46,16 @@ impl TestWatch {
     /// A declared value that cannot be watched; something to do where it cannot be done.
     pub fn of(test: &TestFile, place: &Place<'_>) -> Result<Option<Self>, Failure> {
         let (settings, hz) = (&test.watch, place.first_hz);
-        // Of two actuators on one coupler the coordinates are not the actuators'.
-        if !settings.on || test.coupled.is_some() || hz <= 0.0 || hz.is_nan() {
+        if !settings.on || hz <= 0.0 || hz.is_nan() {
             return Ok(None);
         }
         let timing = &test.config.timing;
+        if test.coupled.is_some() {
+            return Ok(Some(Self {
+                not_watched: vec![COUPLED.to_owned()],
+                ..Self::at_rate(timing.rate_hz, timing.time_scale)
+            }));
+        }
         let (mut not_watched, mut refused) = (Vec::new(), Vec::new());
         let (mut told, mut actuators) = (Vec::new(), Vec::new());
         let peaks_m = place.ideal.peaks_m();

@@ -142,11 +142,15 @@ fn can_be_told(model: &Model, actuator: bool) -> bool {
     }
 }
 
+/// A force that shakes with the motion tells nothing of its sensor's noise.
+const HEAVY: &str = "Noise and hum of the load cell are not watched: the mass that is declared on it shakes with the motion.";
+
 /// What is not watched, what is for all that, and what it would take: one sentence, since every run of a rig that nobody declared
 /// says it.
 pub(super) fn gaps(d: &Declared) -> Vec<String> {
     const ACTUATOR: &str = "[declared.actuator] with gain, delay, lags and offset alone";
     let said = match (d.has_actuator, d.has_specimen, d.alone) {
+        (true, true, _) if d.mass_kg > 0.0 => return vec![HEAVY.to_owned()],
         (true, true, _) => return Vec::new(),
         (true, false, true) => "Between displacement and force only noise, hum, play and a load cell that stands are watched: more takes \
              declared.specimen.stiffness_n_per_mm with no effects but gain_error and yielding."

@@ -15,7 +15,7 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use link::MAX_ACTUATORS;
 use link::status::{MAX_NAMED, NamedCause, WatchStatus};
 use outerloop_core::watch::{
-    AxisOrders, Block, BlockId, Finding, Instructions, Orders, Seen, State, Taps, Watch, judge,
+    AxisOrders, Block, BlockId, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
 use outerloop_core::{OuterLoop, Refusal};
 
@@ -292,10 +292,23 @@ impl<'a> Watchers<'a> {
         self.state
     }
 
-    /// The causes of the set of each actuator, from 1, with their values.
-    pub(super) fn findings(&self) -> impl Iterator<Item = (usize, &Finding)> {
+    /// The causes of the set of each actuator, with their values.
+    pub(super) fn named(&self) -> impl Iterator<Item = NamedCause> {
         let each = (1..).zip(self.own.watches.iter());
-        each.flat_map(|(actuator, watch)| watch.findings().map(move |found| (actuator, found)))
+        each.flat_map(|(actuator, watch)| {
+            watch.findings().map(move |found| NamedCause {
+                actuator,
+                cause: found.cause,
+                value: found.value,
+                sd: found.sd,
+                corrected: watch.corrected(found.cause),
+            })
+        })
+    }
+
+    /// True if what a compensation learns is held.
+    pub(super) fn holds(&self) -> bool {
+        { self.own.watches.iter() }.any(|watch| watch.axis_orders().hold)
     }
 
     /// What it says; nothing where no test is watched.
@@ -304,18 +317,12 @@ impl<'a> Watchers<'a> {
             return None;
         }
         let time = &self.time;
-        let named = self.findings();
-        let named = named.map(|(actuator, found)| NamedCause {
-            actuator: actuator as u8,
-            cause: found.cause,
-            value: found.value,
-            sd: found.sd,
-        });
         let mean = time.total_ticks().checked_div(u64::from(time.steps()));
         Some(WatchStatus {
             state: self.state,
             since_step: self.since_step,
-            named: named.take(MAX_NAMED).collect(),
+            named: self.named().take(MAX_NAMED).collect(),
+            held: self.holds(),
             blocks: time.steps(),
             worst_cycles: time.worst_ticks(),
             mean_cycles: mean.and_then(|m| u32::try_from(m).ok()).unwrap_or(0),

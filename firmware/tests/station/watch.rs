@@ -275,14 +275,16 @@ fn what_is_named_can_be_told_with_its_value() {
     b.until(Mode::Armed);
     done(&b.event(Event::Start));
     assert_eq!(
-        (b.service.watch_state(), b.service.findings().count()),
+        (b.service.watch_state(), b.service.named().count()),
         (State::Sound, 0)
     );
     b.until(Mode::Finished);
     assert_eq!(b.service.watch_state(), State::Named);
-    let found: Vec<_> = b.service.findings().collect();
-    let gain = found.iter().find(|(_, f)| f.cause == Cause::ActuatorGain);
-    let (actuator, gain) = gain.expect("the actuator's gain");
-    assert_eq!(*actuator, 1);
+    let gain = b
+        .service
+        .named()
+        .find(|named| named.cause == Cause::ActuatorGain);
+    let gain = gain.expect("the actuator's gain");
+    assert_eq!(gain.actuator, 1);
     assert!((gain.value - 0.08).abs() < 0.01, "{gain:?}");
 }

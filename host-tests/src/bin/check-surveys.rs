@@ -185,8 +185,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     let faulty = watch::faulty(faulty, arguments.seed, || progress.inc(1))?;
     let of_any_kind = watch::of_any_kind(others, arguments.seed, || progress.inc(1))?;
     progress.finish_and_clear();
-    let mut targets = watch::targets(&sound, &faulty);
-    targets.extend(watch::targets_of_any(&of_any_kind));
+    let targets = watch::targets(&sound, &faulty, &of_any_kind);
     let worse: Vec<&str> = targets
         .iter()
         .filter(|t| !t.holds)
@@ -217,14 +216,17 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
             println!("  --number {i}, {}: {named}", trial.kind);
         }
     }
-    println!("made worse by a correction (--lot mid-test):");
-    let is_worse = |(_, t): &(usize, &watch::FaultTrial)| {
-        t.beside.is_none() && t.counts && (t.is_made_worse() || t.unstable)
-    };
-    for (i, trial) in faulty.iter().enumerate().filter(is_worse) {
-        let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);
-        let (rig, kind) = (&trial.rig, trial.kind.name());
-        println!("  --number {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %");
+    println!("made worse by a correction:");
+    let is_worse =
+        |(_, t): &(usize, &watch::FaultTrial)| t.counts && (t.is_made_worse() || t.unstable);
+    for (lot, trials) in [("mid-test", &faulty), ("any-kind", &of_any_kind)] {
+        for (i, trial) in trials.iter().enumerate().filter(is_worse) {
+            let [_, with, corrected] = trial.eps.map(|e| 100.0 * e);
+            let (rig, kind) = (&trial.rig, trial.kind.name());
+            println!(
+                "  --lot {lot} --number {i}, {rig}, {kind}: eps {with:.1} to {corrected:.1} %"
+            );
+        }
     }
     if !worse.is_empty() {
         println!(

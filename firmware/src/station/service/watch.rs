@@ -5,7 +5,8 @@ use crate::station::order::Order;
 use crate::station::period::Report;
 use link::MAX_ACTUATORS;
 use link::reply::Obstacle;
-use outerloop_core::watch::{Finding, Instructions, Seen, State, steps_in_block};
+use link::status::NamedCause;
+use outerloop_core::watch::{Instructions, Seen, State, steps_in_block};
 use outerloop_core::{Mode, Refusal};
 
 impl Service {
@@ -80,8 +81,13 @@ impl Service {
         self.watchers.state()
     }
 
-    /// What it names: the actuator, from 1, and a cause of its set with its value.
-    pub fn findings(&self) -> impl Iterator<Item = (usize, &Finding)> {
-        self.watchers.findings()
+    /// What it names of each actuator, and how much of it is corrected for.
+    pub fn named(&self) -> impl Iterator<Item = NamedCause> {
+        self.watchers.named()
+    }
+
+    /// True if what a compensation learns is held.
+    pub fn is_held(&self) -> bool {
+        self.watchers.holds()
     }
 }

@@ -241,13 +241,9 @@ fn of_a_sensor(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<Name
                 vec![("offset", "displacement")],
             )
         }
-        // Command to displacement alone does not tell it from an actuator that is late.
         Kind::DisplacementLate => (
             format!("name = 'channel_skew'\nskew_ms = {}", -late_ms),
-            vec![
-                ("channel_skew", "displacement"),
-                ("delay_error", "actuator"),
-            ],
+            vec![("channel_skew", "displacement")],
         ),
         Kind::ForceGain => {
             let error = sign * draw.between(0.05, 0.2);

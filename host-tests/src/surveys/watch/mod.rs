@@ -8,7 +8,7 @@
 //! | `table.rs` | what was aimed at, what was found, and by how much it is missed |
 //!
 //! Sound rigs: 0.5 to 4 Hz, 5 to 100 mm, 3 to 30 ms of lateness, from a delay with a lag to a servo-hydraulic actuator; linear,
-//! bilinear and Bouc-Wen specimens, one in four of those that yield degrading, one in three of the linear ones hardening, softening or
+//! bilinear and Bouc-Wen specimens with up to 2 % of the structure's mass at their load cell, one in four of those that yield degrading, one in three of the linear ones hardening, softening or
 //! degrading; 12 and 16 bits, noise of 0.01 to 0.5 % of the peak;
 //! seven compensations; one in eight with two actuators.
 
@@ -19,19 +19,29 @@ mod table;
 mod trial;
 
 pub use effect::Kind;
-pub use table::{Target, by_effect, targets, targets_of_any};
+pub use table::{Target, by_effect, targets};
 pub use trial::{FaultTrial, SoundTrial};
 
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
+use outerloop_core::Method;
 use rayon::prelude::*;
 
 /// Seeds of tests in which something goes wrong are so far from those of sound ones, those with an effect of any kind twice as far.
 const FAULTS_FROM: u64 = 1_000_000;
 const ANY_FROM: u64 = 2 * FAULTS_FROM;
-/// Of so many tests with an effect, one has two at once, and one is run under `ats` as well.
+/// Of so many tests with an effect, one has two at once.
 const TWO_IN: u64 = 10;
+/// One in four is run under `ats` as well, and one in four under one of the others that learn.
 const ADAPTIVE_IN: u64 = 4;
+const LEARN: [Method; 6] = [
+    Method::AdaptiveInverse,
+    Method::Afp,
+    Method::Amb,
+    Method::Darby,
+    Method::Hydraulic,
+    Method::Mcs,
+];
 
 /// The three lots of tests of a survey.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -77,6 +87,15 @@ fn in_mid_test(i: u64, rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect
     std::iter::once(first).chain(second).collect()
 }
 
+/// Under which compensation that learns test `i` is run beside its own.
+fn learns(i: u64) -> Option<Method> {
+    match i % ADAPTIVE_IN {
+        1 => Some(Method::Ats),
+        3 => LEARN.get((i / ADAPTIVE_IN) as usize % LEARN.len()).copied(),
+        _ => None,
+    }
+}
+
 fn of_any_effect(rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::DrawnEffect> {
     vec![effect::DrawnEffect::any(rig, draw)]
 }
@@ -114,7 +133,7 @@ pub fn faulty(
         .map(|i| {
             let own = Lot::MidTest.seed(seed, i);
             let effects = |rig: &_, draw: &mut _| in_mid_test(i, rig, draw);
-            let trial = FaultTrial::run(own, effects, i % ADAPTIVE_IN == 1);
+            let trial = FaultTrial::run(own, effects, learns(i));
             one_done();
             trial
         })
@@ -133,7 +152,7 @@ pub fn of_any_kind(
     (0..tests)
         .into_par_iter()
         .map(|i| {
-            let trial = FaultTrial::run(Lot::AnyKind.seed(seed, i), of_any_effect, false);
+            let trial = FaultTrial::run(Lot::AnyKind.seed(seed, i), of_any_effect, None);
             one_done();
             trial
         })

@@ -84,9 +84,13 @@ impl DrawnRig {
         );
         let noise = sensors(&mut draw, &scales, &mut text);
         text += &actuator.declared;
+        // A lag has no acceleration of its own: its speed jumps with each command.
+        let has_mass = storeys == 1 && actuator.name != "lag_delay";
+        let mass = has_mass.then(|| specimens_mass(seed, mass_kg));
+        let (declared_mass, true_mass) = mass.unwrap_or_default();
         let _ = write!(
             text,
-            "offset_mm = {{ value = 0, tolerance = {} }}\n[declared.specimen]\n\
+            "offset_mm = {{ value = 0, tolerance = {} }}\n[declared.specimen]\n{declared_mass}\
              stiffness_n_per_mm = {{ value = {}, tolerance = {} }}\n",
             OFFSET * peak_mm,
             1e-3 * stiffness,
@@ -101,6 +105,7 @@ impl DrawnRig {
             );
         }
         always_there(&mut draw, &scales, yields, &mut text);
+        text += &true_mass;
         let seconds = (14.0 / hz).clamp(8.0, 20.0);
         let shaking = shaking(&mut draw, hz, seconds);
         let (bends, bend) = match yields {
@@ -196,6 +201,19 @@ fn actuator(draw: &mut Draw, s: &Scales) -> (DrawnActuator, f64) {
         declared,
     };
     (drawn, late_ms)
+}
+
+/// Mass between specimen and load cell, as it is declared and as it is.
+fn specimens_mass(seed: u64, mass_kg: f64) -> (String, String) {
+    // A draw of its own, so that the others are what they were before there was a mass.
+    let mut draw = Draw::new(seed ^ 0xa0);
+    let declared = draw.between(0.0, 0.005) * mass_kg;
+    let tolerance = 0.2 * declared;
+    let own = declared + draw.off(tolerance);
+    (
+        format!("mass_kg = {{ value = {declared}, tolerance = {tolerance} }}\n"),
+        format!("[[plant.effects]]\nname = 'inertia_force'\nmass_kg = {own}\n"),
+    )
 }
 
 /// Linear or yielding, and whether it yields.

@@ -1,13 +1,16 @@
 //! What was aimed at, what was found, and by how much it is missed.
 
 use super::effect::Kind;
-use super::trial::{FaultTrial, SoundTrial};
+use super::trial::{FaultTrial, Learning, SoundTrial, Unwatched};
+use experiment::summary::POOR_EPS_RMS;
 use serde::Serialize;
 
 /// What an effect has to add to the error for it to count, peaks.
 const MATTERS: f64 = 0.01;
 /// What it has to add where it is asked how many are named.
 const CLEARLY: f64 = 0.05;
+/// The method of which the study asks how a guard serves it.
+const ATS: &str = "ats";
 /// A test that is off by more than this beyond another is worse, peaks.
 const WORSE: f64 = 0.01;
 
@@ -103,18 +106,54 @@ fn in_points(missed: f64) -> String {
     }
 }
 
-/// Every row of the table.
-pub fn targets(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
+/// Every row of the table; `of_any_kind`: tests with an effect of any kind, from the start or in mid-test.
+pub fn targets(
+    sound: &[SoundTrial],
+    faulty: &[FaultTrial],
+    of_any_kind: &[FaultTrial],
+) -> Vec<Target> {
     let one: Vec<&FaultTrial> = faulty.iter().filter(|t| t.beside.is_none()).collect();
     let mut rows = false_names(sound);
     rows.extend(names(&one));
     rows.extend(corrections(&one));
+    let all: Vec<&FaultTrial> = faulty.iter().chain(of_any_kind).collect();
+    rows.extend(harm(sound, &all));
+    rows.extend(guards(faulty));
+    rows.extend(of_any(of_any_kind));
     rows.extend(beside(sound, faulty));
     rows
 }
 
+/// What corrections do that they should not.
+fn harm(sound: &[SoundTrial], faulty: &[&FaultTrial]) -> Vec<Target> {
+    let counts = faulty.iter().filter(|t| t.counts);
+    let allowed: Vec<&FaultTrial> = counts.copied().collect();
+    let sound: Vec<&SoundTrial> = sound.iter().filter(|t| t.counts).collect();
+    let is_worse = |t: &SoundTrial| t.corrected_eps > t.eps + WORSE;
+    vec![
+        count(
+            "correction worse by more than 1 % of peak",
+            "0 of 5000",
+            Share::among(&allowed, FaultTrial::is_made_worse),
+            1.5e-3,
+        ),
+        count(
+            "the same, sound tests",
+            "0",
+            Share::among(&sound, is_worse),
+            3e-4,
+        ),
+        count(
+            "unstable with the correction alone",
+            "0 of 5000",
+            Share::among(&allowed, |t| t.unstable),
+            1e-3,
+        ),
+    ]
+}
+
 /// The rows of tests with an effect of any kind, from the start or in mid-test.
-pub fn targets_of_any(all: &[FaultTrial]) -> Vec<Target> {
+fn of_any(all: &[FaultTrial]) -> Vec<Target> {
     let that = |has: &dyn Fn(&FaultTrial) -> bool| -> Vec<&FaultTrial> {
         all.iter().filter(|t| has(t)).collect()
     };
@@ -140,6 +179,28 @@ pub fn targets_of_any(all: &[FaultTrial]) -> Vec<Target> {
             [97.0, 93.0],
         ),
     ]
+}
+
+/// What is aimed at is not to be above, and what is on the page; `found` in words.
+fn at_most(
+    target: &'static str,
+    aim: &'static str,
+    found: String,
+    [missed, beyond]: [f64; 2],
+    unit: &str,
+) -> Target {
+    Target {
+        holds: beyond.is_nan() || beyond <= 0.0,
+        ..row(
+            target,
+            aim,
+            found,
+            match missed > 0.0 {
+                true => format!("{missed:.1} {unit}"),
+                false => String::new(),
+            },
+        )
+    }
 }
 
 fn row(target: &'static str, aim: &'static str, found: String, missed: String) -> Target {
@@ -214,7 +275,6 @@ fn names(one: &[&FaultTrial]) -> Vec<Target> {
             .unwrap_or(f64::NAN)
     };
     let (median, late) = (at(0.5), at(0.9));
-    let slow = |found: f64, aim: f64| (found - aim).max(0.0);
     let mut rows = vec![
         share(
             "named, of effects that add more than 5 % of peak",
@@ -240,14 +300,19 @@ fn names(one: &[&FaultTrial]) -> Vec<Target> {
             Share::among(&named, |t| t.right[1]),
             [97.0, 92.0],
         ),
-        row(
-            "first right name, cycles of the structure: median, 90 % of them",
-            "1, 4",
-            format!("{median:.1}, {late:.1}"),
-            match (slow(median, 1.0), slow(late, 4.0)) {
-                (0.0, 0.0) => String::new(),
-                (a, b) => format!("{a:.1}, {b:.1} cycles"),
-            },
+        at_most(
+            "first right name, cycles of the structure: median",
+            "1",
+            format!("{median:.1}"),
+            [median - 1.0, median - 1.5],
+            "cycles",
+        ),
+        at_most(
+            "the same, 90 % of them",
+            "4",
+            format!("{late:.1}"),
+            [late - 4.0, late - 5.5],
+            "cycles",
         ),
     ];
     for (target, kinds, held) in [
@@ -284,16 +349,15 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
     let late = |t: &&&FaultTrial| t.kind == Kind::ActuatorLate && t.adds(MATTERS);
     let late: Vec<&FaultTrial> = counts.iter().filter(late).copied().collect();
     let corrected: Vec<&FaultTrial> = late.iter().filter(|t| !t.learns).copied().collect();
-    // Where the compensation learns lateness and gain itself nothing is corrected for.
-    let allowed = counts.iter().filter(|t| !t.learns);
-    let allowed: Vec<&FaultTrial> = allowed.copied().collect();
     let mean = |of: &dyn Fn(&FaultTrial) -> f64| {
         100.0 * corrected.iter().map(|t| of(t)).sum::<f64>() / corrected.len().max(1) as f64
     };
     let halved = Share::among(&corrected, |t| t.eps[2] - t.eps[0] <= 0.5 * t.added());
     let ats: Vec<f64> = late
         .iter()
-        .filter_map(|t| t.adaptive.map(|a| a[1]))
+        .filter_map(|t| t.adaptive.as_ref())
+        .filter(|own| own.method == ATS)
+        .map(|own| own.guarded)
         .collect();
     let ats = 100.0 * ats.iter().sum::<f64>() / ats.len().max(1) as f64;
     let of_errors = format!(
@@ -311,65 +375,66 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
     halves.found += &of_errors;
     vec![
         halves,
-        row(
+        at_most(
             "eps_rms with a late actuator under guarded ats",
             "2 %",
             format!("{ats:.1} %"),
-            match ats > 2.0 {
-                true => in_points(ats - 2.0),
-                false => String::new(),
-            },
-        ),
-        count(
-            "correction worse by more than 1 % of peak",
-            "0 of 5000",
-            Share::among(&allowed, FaultTrial::is_made_worse),
-            1.5e-3,
-        ),
-        count(
-            "unstable with the correction alone",
-            "0 of 5000",
-            Share::among(&allowed, |t| t.unstable),
-            1e-3,
-        ),
-        guarded(
-            "adaptive method worse by a lying transducer, guarded",
-            &counts,
-            1,
-            Some(10.0),
+            [ats - 2.0, ats - 12.0],
+            "points",
         ),
     ]
 }
 
-/// Under `ats` a lying transducer has made a test worse by more than 1 % of the peak than the same test under the rig's own
-/// compensation; `which`: guarded or not; `held`: the percentage on the page.
-fn guarded(
-    target: &'static str,
-    counts: &[&FaultTrial],
-    which: usize,
-    held: Option<f64>,
-) -> Target {
-    let lies: Vec<&FaultTrial> = counts
-        .iter()
-        .filter(|t| t.kind.lies() && t.adaptive.is_some())
-        .copied()
-        .collect();
-    let worse = |t: &FaultTrial| {
-        let adds = |a: [f64; 3]| a[which] - a[0];
-        t.adaptive
-            .is_some_and(|a| adds(a) > t.added().max(0.0) + WORSE)
+/// How often a lying transducer makes a test under a method that learns worse by more than 1 % of the peak than the same test under
+/// the rig's own compensation.
+fn guards(faulty: &[FaultTrial]) -> Vec<Target> {
+    let of = |is_ats: bool, eps: fn(&Learning) -> f64| {
+        let lies = faulty
+            .iter()
+            .filter(|t| t.counts && t.beside.is_none() && t.kind.lies());
+        let tests = lies.filter_map(|t| Some((t, t.adaptive.as_ref()?)));
+        // What does not fit the rig while nothing is wrong cannot be led astray.
+        let fits = |own: &Learning| (own.method == ATS) == is_ats && own.sound <= POOR_EPS_RMS;
+        let tests: Vec<_> = tests.filter(|(_, own)| fits(own)).collect();
+        let worse =
+            |(t, own): &(&FaultTrial, &Learning)| eps(own) - own.sound > t.added().max(0.0) + WORSE;
+        Share::among(&tests.iter().collect::<Vec<_>>(), worse)
     };
-    let found = Share::among(&lies, worse);
-    // At most 10 of 1068.
-    let aim = 0.94;
-    let missed = match found.percent() > aim {
-        true => in_points(found.percent() - aim),
-        false => String::new(),
+    let guarded = |target, is_ats, held: f64| {
+        let found = of(is_ats, |own| own.guarded);
+        // At most 10 of 1068.
+        let missed = found.percent() - 0.94;
+        let beyond = if found.holds_at_most(0.01 * held) {
+            0.0
+        } else {
+            1.0
+        };
+        at_most(
+            target,
+            "at most 1 %",
+            found.in_words(),
+            [missed, beyond],
+            "points",
+        )
     };
-    Target {
-        holds: held.is_none_or(|held| found.holds_at_most(0.01 * held)),
-        ..row(target, "at most 1 %", found.in_words(), missed)
-    }
+    let not_guarded = |target, is_ats| {
+        row(
+            target,
+            "",
+            of(is_ats, |own| own.unguarded).in_words(),
+            String::new(),
+        )
+    };
+    vec![
+        guarded("ats worse by a lying transducer, guarded", true, 10.0),
+        not_guarded("the same, not guarded", true),
+        guarded(
+            "others that learn worse by a lying transducer, guarded",
+            false,
+            10.0,
+        ),
+        not_guarded("the same, not guarded", false),
+    ]
 }
 
 /// What stands beside the watch, and what it was not made for; nothing is aimed at.
@@ -381,10 +446,19 @@ fn beside(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     };
     let (one, two) = (of(&|t| t.beside.is_none()), of(&|t| t.beside.is_some()));
     let several = of(&|t| t.several);
-    let bare: Vec<&FaultTrial> = faulty
-        .iter()
-        .filter(|t| t.counts && t.beside.is_none())
+    let stopped: Vec<(f64, &Unwatched)> = { faulty.iter() }
+        .filter_map(|t| Some((t.eps[1], t.unwatched.as_ref()?)))
         .collect();
+    let of_stopped = |of: &dyn Fn(&(f64, &Unwatched)) -> f64| {
+        100.0 * stopped.iter().map(of).sum::<f64>() / stopped.len().max(1) as f64
+    };
+    let without = format!(
+        "{} tests, at {:.1} % in the mean; without it {:.1} %, {:.0} % of them stopped by something else",
+        stopped.len(),
+        of_stopped(&|(eps, _)| *eps),
+        of_stopped(&|(_, alone)| alone.eps),
+        of_stopped(&|(_, alone)| f64::from(u8::from(alone.stopped))),
+    );
     let named = |t: &FaultTrial| t.named.is_some();
     let told = |own: &[&FaultTrial]| {
         let right = Share::among(own, |t| t.right[0]);
@@ -396,7 +470,7 @@ fn beside(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     };
     let plain = |target, found| row(target, "", found, String::new());
     vec![
-        guarded("the same, not guarded", &bare, 2, None),
+        plain("stopped by the watch: eps_rms by then", without),
         plain(
             "energy monitor: sound tests beyond its published 0.2 at their end",
             Share::among(&counts, |t| t.energy).in_words(),

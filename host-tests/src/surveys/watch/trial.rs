@@ -15,9 +15,11 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// What the loop may correct for.
+/// What the loop may correct for, also beside a compensation that learns lateness and gain itself.
 const CORRECT: &str = "[watch]\ncorrect = ['lateness', 'gain', 'late_sensor']\n";
+const CORRECT_BESIDE: &str = "[watch]\ncorrect = ['late_sensor']\n";
 const UNGUARDED: &str = "[watch]\nguard = false\n";
+const UNWATCHED: &str = "[watch]\non = false\n";
 /// The energy monitor where it is beside the watch: the default of `limits.energy_trip`.
 const ENERGY_TRIP: f64 = 3.0;
 /// Most that a test can be off, peaks: what ran away is off by this.
@@ -42,6 +44,8 @@ pub struct SoundTrial {
     pub energy: bool,
     /// Error, peaks.
     pub eps: f64,
+    /// The same where the loop may correct; it does so behind a name alone.
+    pub corrected_eps: f64,
 }
 
 /// A test in which something goes wrong in mid-test.
@@ -61,22 +65,48 @@ pub struct FaultTrial {
     pub counts: bool,
     /// Error without the effect, with it, and corrected, peaks.
     pub eps: [f64; 3],
-    /// Where asked for: under `ats` without the effect, with it and the guard, with it and without the guard.
-    pub adaptive: Option<[f64; 3]>,
+    /// Where asked for: under a compensation that learns.
+    pub adaptive: Option<Learning>,
+    /// Where the watch stopped the test: the same without it.
+    pub unwatched: Option<Unwatched>,
     /// The corrected test ran away or was stopped, and the other did not.
     pub unstable: bool,
     /// The other was stopped, and the corrected one went on: its error is of a longer test.
     pub longer: bool,
-    /// The compensation learns lateness and gain itself: nothing is corrected for.
+    /// The compensation learns lateness and gain itself: only a late sensor is corrected for.
     pub learns: bool,
     /// What was named first, in words.
     pub named: Option<String>,
+    /// And in the end.
+    pub last: Option<String>,
     /// The first set holds a right name; the last does; the last is nothing else.
     pub right: [bool; 3],
     /// From the beginning of the effect to the first right name, cycles of the structure.
     pub cycles: Option<f64>,
     /// The energy monitor had stopped the test, or would have.
     pub energy: bool,
+}
+
+/// A test under a compensation that learns: its errors, peaks.
+#[derive(Clone, Debug, Serialize)]
+pub struct Learning {
+    /// Which.
+    pub method: &'static str,
+    /// Nothing goes wrong.
+    pub sound: f64,
+    /// Something does, and what was learnt is held.
+    pub guarded: f64,
+    /// It goes on learning.
+    pub unguarded: f64,
+}
+
+/// A test without the watch that stopped it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unwatched {
+    /// Error, peaks.
+    pub eps: f64,
+    /// Something else stopped it.
+    pub stopped: bool,
 }
 
 impl FaultTrial {
@@ -200,29 +230,35 @@ impl SoundTrial {
             fits = straight.run("", None)?.eps_rms <= POOR_EPS_RMS;
         }
         let counts = s.verdict == TestVerdict::Completed && fits || s.trip == Some("watch");
+        let named = first(s.watch.as_ref()).map(in_words);
+        let corrected_eps = match named {
+            None => eps(&s),
+            Some(_) => eps(&planned.run(allowed(&planned)?, None)?),
+        };
         let rig = planned.rig;
         Ok(Self {
             counts,
             yields: rig.yields,
             declared_elastic: rig.declared_elastic,
             bends: !rig.bend.is_empty(),
-            named: first(s.watch.as_ref()).map(in_words),
+            named,
             energy: s.energy_ratio > 0.2,
             eps: eps(&s),
+            corrected_eps,
             kind: rig.kind,
         })
     }
 }
 
 impl FaultTrial {
-    /// Of a seed, with what `effects` draws; `adaptive`: the same also under `ats`, guarded and not.
+    /// Of a seed, with what `effects` draws; `adaptive`: the same also under this method, guarded and not.
     ///
     /// # Errors
     /// A test that cannot run.
     pub(super) fn run(
         seed: u64,
         effects: impl FnOnce(&DrawnRig, &mut Draw) -> Vec<DrawnEffect>,
-        adaptive: bool,
+        adaptive: Option<Method>,
     ) -> Result<Self, Failure> {
         let planned = Planned::new(seed);
         match &planned.effects(effects)[..] {
@@ -236,7 +272,7 @@ impl FaultTrial {
         mut planned: Planned,
         effect: &DrawnEffect,
         beside: Option<&DrawnEffect>,
-        adaptive: bool,
+        adaptive: Option<Method>,
     ) -> Result<Self, Failure> {
         let text = match beside {
             None => effect.text.clone(),
@@ -245,16 +281,25 @@ impl FaultTrial {
         let sound = planned.run("", None)?;
         let faulty = planned.run(&text, None)?;
         let learns = learns(&planned)?;
-        let corrected = match learns {
-            // It learns lateness and gain itself.
-            true => faulty.clone(),
-            false => planned.run(&format!("{text}{CORRECT}"), None)?,
-        };
-        let adaptive = adaptive.then(|| {
-            let mut run = |more: &str| planned.run(more, Some(Method::Ats)).map(|s| eps(&s));
-            Ok::<_, Failure>([run("")?, run(&text)?, run(&format!("{text}{UNGUARDED}"))?])
+        let corrected = planned.run(&format!("{text}{}", allowed(&planned)?), None)?;
+        let adaptive = adaptive.map(|method| {
+            let mut run = |more: &str| planned.run(more, Some(method)).map(|s| eps(&s));
+            Ok::<_, Failure>(Learning {
+                method: method.name(),
+                sound: run("")?,
+                guarded: run(&text)?,
+                unguarded: run(&format!("{text}{UNGUARDED}"))?,
+            })
         });
         let adaptive = adaptive.transpose()?;
+        let unwatched = (faulty.trip == Some("watch")).then(|| {
+            let alone = planned.run(&format!("{text}{UNWATCHED}"), None)?;
+            Ok::<_, Failure>(Unwatched {
+                eps: eps(&alone),
+                stopped: alone.verdict == TestVerdict::Tripped,
+            })
+        });
+        let unwatched = unwatched.transpose()?;
         let rig = &planned.rig;
         let of_both = |names: fn(&DrawnEffect) -> &[Name]| -> Vec<Name> {
             let both = std::iter::once(effect).chain(beside);
@@ -279,10 +324,12 @@ impl FaultTrial {
             counts: sound.verdict == TestVerdict::Completed && sound.eps_rms <= POOR_EPS_RMS,
             eps: [&sound, &faulty, &corrected].map(eps),
             adaptive,
+            unwatched,
             unstable: !survived(&corrected) && survived(&faulty),
             longer: corrected.steps > faulty.steps,
             learns,
             named: first(watch).map(in_words),
+            last: last.map(in_words),
             right: [
                 first(watch).is_some_and(early),
                 last.is_some_and(holds),
@@ -295,6 +342,14 @@ impl FaultTrial {
             energy: faulty.trip == Some("energy") || faulty.energy_ratio > ENERGY_TRIP,
         })
     }
+}
+
+/// The most that may be corrected for.
+fn allowed(planned: &Planned) -> Result<&'static str, Failure> {
+    Ok(match learns(planned)? {
+        true => CORRECT_BESIDE,
+        false => CORRECT,
+    })
 }
 
 fn learns(planned: &Planned) -> Result<bool, Failure> {

@@ -78,18 +78,23 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
 
 /// State, names and values of the rig watch.
 fn log_watch(service: &Service) {
-    defmt::info!("rig watch: {=str}", service.watch_state().name());
-    for (actuator, found) in service.findings() {
-        let (cause, [low, high]) = (found.cause, found.interval_90());
+    defmt::info!(
+        "rig watch: {=str}, holds: {=bool}",
+        service.watch_state().name(),
+        service.is_held()
+    );
+    for named in service.named() {
+        let (cause, [low, high]) = (named.cause, named.finding().interval_90());
         defmt::info!(
-            "rig watch, actuator {=usize}: {=str} ({=str}), {=f32} {=str}, {=f32} to {=f32}",
-            actuator,
+            "rig watch, actuator {=u8}: {=str} ({=str}), {=f32} {=str}, {=f32} to {=f32}, corrected {=f32}",
+            named.actuator,
             cause.name(),
             cause.side().name(),
-            found.value,
+            named.value,
             cause.unit(),
             low,
-            high
+            high,
+            named.corrected
         );
     }
 }
