@@ -11,6 +11,7 @@ use experiment::files::channels;
 use experiment::trace::Trace;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::Value;
 use std::path::PathBuf;
 
 /// Recompute an archived test and compare it bit by bit
@@ -32,6 +33,8 @@ struct ReplayResult {
     /// What is no longer as it was written.
     changed: Vec<String>,
     first_difference: Option<String>,
+    /// Names, values and corrections of the rig watch are what they were.
+    watch_same: bool,
     archived_by: String,
     replayed_by: String,
 }
@@ -68,7 +71,10 @@ impl Replay {
         let trace = run
             .trace
             .ok_or_else(|| Failure::test("the replay kept no record"))?;
-        let found = compare(&archived, &trace);
+        let found = ReplayResult {
+            watch_same: watch_is_same(&archived.summary, &run.summary)?,
+            ..compare(&archived, &trace)
+        };
         if self.json {
             answer!("{}", super::json(&WithProvenance::of(&found))?);
         }
@@ -77,10 +83,16 @@ impl Replay {
                 "{file}: the steps are the same to the bit, and yet the file was changed after it was written: {}",
                 found.changed.join(", ")
             ))),
+            None if !found.watch_same => Err(Failure::test(format!(
+                "{file}: the steps are the same to the bit, and yet the rig watch says something else of them: compare `watch` of \
+                 `run --json` with the summary in the file; archived by {}, replayed by {}",
+                found.archived_by, found.replayed_by
+            ))),
             None => {
                 if !self.json {
                     println!(
-                        "{file}: all {} steps of {} channels are the same to the bit. Archived by {}, replayed by {}.",
+                        "{file}: all {} steps of {} channels are the same to the bit, and what the rig watch said of them. Archived by \
+                         {}, replayed by {}.",
                         found.steps, found.channels, found.archived_by, found.replayed_by
                     );
                 }
@@ -94,10 +106,25 @@ impl Replay {
     }
 }
 
+/// True if events and corrections of the rig watch are what the archive has; the diagnosis of the record is not asked again.
+fn watch_is_same(archived: &Value, now: &impl Serialize) -> Result<bool, Failure> {
+    // Read back as the archive was.
+    let now: Value = serde_json::from_str(&super::json(now)?)
+        .map_err(|e| Failure::test(format!("the summary of the replay: {e}")))?;
+    let parts = ["events", "corrections"];
+    Ok({ parts.iter() }.all(|part| archived["watch"][part] == now["watch"][part]))
+}
+
 fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> ReplayResult {
     let again = channels::of(trace);
     let mut first: Option<(usize, String)> = None;
     let mut different = 0;
+    let flags = archived.flags.iter().zip(&trace.flags);
+    if let Some((step, (was, is))) = flags.enumerate().find(|(_, (was, is))| was != is) {
+        different += 1;
+        let said = format!("flags at step {step}, {was:#010x} in the archive and {is:#010x} now");
+        first = Some((step, said));
+    }
     for ((name, before), now) in archived.channels.iter().zip(&again) {
         let at = |x: &[f32], i: usize| x.get(i).copied();
         for i in 0..before.len().max(now.values.len()) {
@@ -123,7 +150,31 @@ fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> ReplayResult {
         values_different: different,
         changed: archived.changed.clone(),
         first_difference: first.map(|(_, said)| said),
+        watch_same: true,
         archived_by: archived.version.clone(),
         replayed_by: provenance::version(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::watch_is_same;
+    use serde_json::json;
+
+    #[test]
+    fn the_watch_is_the_same_by_its_events_and_corrections_and_whatever_the_diagnosis_says() {
+        let with = |value: f64, corrected: f64, agrees: bool| {
+            json!({"watch": {
+                "events": [{"t_s": 8.3, "set": [{"name": "delay_error", "value": value}]}],
+                "corrections": [{"t_s": 8.4, "corrected": corrected}],
+                "diagnosis": {"agrees": agrees},
+            }})
+        };
+        let archived = with(12.1, 11.9, true);
+        let same = |now: serde_json::Value| watch_is_same(&archived, &now).unwrap();
+        assert!(same(with(12.1, 11.9, false)));
+        assert!(!same(with(12.100_000_1, 11.9, true)));
+        assert!(!same(with(12.1, 11.8, true)));
+        assert!(!same(json!({})));
     }
 }

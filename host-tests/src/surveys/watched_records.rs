@@ -21,7 +21,7 @@ pub struct Row {
     pub diagnosis: String,
     /// Whether it agrees, where it was asked.
     pub agrees: Option<bool>,
-    /// The watch named something, and nothing of its first set is right.
+    /// The watch named something, and nothing of its first set is right, between command and displacement.
     pub is_false: bool,
 }
 
@@ -105,6 +105,9 @@ fn row(
         watch: first.map_or_else(|| report.sentence(), |e| e.in_words()),
         diagnosis: diagnosis.map_or(String::new(), |d| d.sentence.clone()),
         agrees: diagnosis.and_then(|d| d.agrees),
-        is_false: first.is_some_and(|e| !e.set.iter().any(|c| is_right(c.name))),
+        is_false: first.is_some_and(|e| {
+            let sides = ["actuator", "displacement"];
+            !{ e.set.iter() }.any(|c| sides.contains(&c.side) && is_right(c.name))
+        }),
     }
 }
