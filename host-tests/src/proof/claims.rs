@@ -145,10 +145,7 @@ fn list(text: &str) -> impl Iterator<Item = &str> {
 /// The ids that are meant; the file has to have what they are called in the code.
 fn expand(claimed: &str, code: &str, ids: &[Id]) -> Result<Vec<String>, String> {
     let begin = claimed.strip_suffix('*');
-    let meant: Vec<&Id> = ids
-        .iter()
-        .filter(|id| begin.map_or(id.name == claimed, |b| id.name.starts_with(b)))
-        .collect();
+    let meant: Vec<&Id> = ids.iter().filter(|id| id.is_meant_by(claimed)).collect();
     if meant.is_empty() {
         return Err(format!("{claimed} is no id of the code"));
     }
