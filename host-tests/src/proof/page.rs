@@ -117,7 +117,7 @@ impl Proofs {
 
     /// How much of each kind is held where.
     fn shares(&self, page: &mut String) {
-        page.push_str("\n| | there are | host | image | a reason in place of the image |\n|---|---|---|---|---|\n");
+        page.push_str("\n| | there are | host | QEMU | image | a reason in place of the image |\n|---|---|---|---|---|---|\n");
         for kind in Kind::ALL {
             let ids: Vec<&Id> = self.ids.iter().filter(|id| id.kind == kind).collect();
             let share = |place: Place| {
@@ -127,10 +127,11 @@ impl Proofs {
             let reasons = ids.iter().filter(|id| exempt(id, Place::Image).is_some());
             let _ = writeln!(
                 page,
-                "| {} | {} | {:.0} % | {:.0} % | {} |",
+                "| {} | {} | {:.0} % | {:.0} % | {:.0} % | {} |",
                 title(kind),
                 ids.len(),
                 share(Place::Host),
+                share(Place::Qemu),
                 share(Place::Image),
                 reasons.count()
             );
