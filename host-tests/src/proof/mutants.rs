@@ -161,7 +161,7 @@ pub fn misfits(top: &Path, mutants: &[Mutant], claims: &[Claim]) -> Vec<String> 
             .iter()
             .find(|c| c.test == last && c.file.starts_with(&folder) && c.place == Place::Host);
         for id in &mutant.ids {
-            if !claim.is_some_and(|c| c.ids.contains(id)) {
+            if !claim.is_some_and(|c| c.has(id)) {
                 wrong.push(format!("{name}: no test {last} of {folder} claims {id}"));
             }
         }

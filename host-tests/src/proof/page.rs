@@ -41,7 +41,7 @@ impl Proofs {
 
     fn proved(&self, id: &str, place: Place) -> bool {
         let mut there = self.claims.iter().filter(|c| c.place == place);
-        there.any(|c| c.ids.iter().any(|i| i == id))
+        there.any(|c| c.has(id))
     }
 
     /// What the targets ask for and is not there, a sentence each.
@@ -80,12 +80,11 @@ impl Proofs {
         let mutants = self.mutants.iter().enumerate();
         let mutants = mutants.filter(|(_, m)| m.ids.iter().any(|i| i == id));
         let mut names: Vec<String> = mutants.map(|(at, _)| format!("M{}", at + 1)).collect();
-        for claim in self.claims.iter().filter(|c| c.ids.iter().any(|i| i == id)) {
-            for by in &claim.by {
-                let by = format!("`{by}`");
-                if !names.contains(&by) {
-                    names.push(by);
-                }
+        let claimed = self.claims.iter().flat_map(|c| &c.ids);
+        for by in claimed.filter(|(i, _)| i == id).flat_map(|(_, by)| by) {
+            let by = format!("`{by}`");
+            if !names.contains(&by) {
+                names.push(by);
             }
         }
         names.join(", ")
@@ -96,7 +95,7 @@ impl Proofs {
         let here = self.claims.iter().filter(|c| c.place == place);
         let numbers: Vec<String> = here
             .enumerate()
-            .filter(|(_, c)| c.ids.iter().any(|i| i == id))
+            .filter(|(_, c)| c.has(id))
             .map(|(at, _)| format!("{}{}", place.letter(), at + 1))
             .collect();
         numbers.join(", ")
@@ -187,7 +186,7 @@ impl Proofs {
             .into_iter()
             .flat_map(|place| {
                 let here = self.claims.iter().filter(move |c| c.place == place);
-                let with = |c: &Claim| c.ids.iter().any(|i| i.starts_with("mode."));
+                let with = |c: &Claim| c.ids.iter().any(|(i, _)| i.starts_with("mode."));
                 here.enumerate()
                     .filter(move |(_, c)| with(c))
                     .map(move |(at, _)| format!("{}{}", place.letter(), at + 1))
