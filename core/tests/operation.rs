@@ -260,7 +260,7 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
     }
 }
 
-// proves: fault.stale_sample, limit.stale_steps
+// proves: fault.link_lost
 #[test]
 fn a_fault_that_is_no_emergency_ends_on_the_ramp_and_permit_falls_when_the_command_stands() {
     let points = shaking(RECORD_S);
@@ -365,6 +365,7 @@ fn a_loop_that_has_seen_no_sample_is_not_armed() {
     assert!(outer.handle(Event::Arm).is_err());
 }
 
+// proves: fault.stale_sample, limit.stale_steps
 #[test]
 fn a_stale_sample_slows_the_test_down_and_too_many_trip_it() {
     let points = shaking(RECORD_S);

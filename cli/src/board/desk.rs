@@ -513,3 +513,40 @@ fn until_tripped(board: &mut BoardConnection) -> Result<(), Failure> {
     }
     Err(Failure::test("the board has not tripped"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The desk itself calibrates the board; by hand somebody copies these.
+    #[test]
+    fn the_calibrations_on_the_page_are_those_that_the_desk_goes_by() {
+        let page = include_str!("../../../docs/desk.md");
+        let blocks = page.split("```toml\n").skip(1);
+        let copied: Vec<Calibration> = blocks
+            .map(|block| toml::from_str(block.split("```").next().unwrap()).unwrap())
+            .collect();
+        // Two conversions of 12 bits, added; 16 bits.
+        let boards = [(8190, 4095), (u16::MAX, u16::MAX)];
+        assert_eq!(copied.len(), boards.len());
+        for (copied, (sensor_top, command_top)) in copied.iter().zip(boards) {
+            let made = calibration(&CodeRange {
+                sensor_top,
+                sensor_rail: 0,
+                sensor_spare: 0,
+                command_top,
+                command_spare: 0,
+            });
+            for (copied, made) in [
+                (copied.displacement, made.displacement),
+                (copied.force, made.force),
+                (copied.command, made.command),
+            ] {
+                // As many digits as a person copies.
+                let off = (copied.per_code / made.per_code - 1.0).abs();
+                assert!(off < 5e-5, "{copied:?} for {made:?}");
+                assert_eq!(copied.zero_code, made.zero_code);
+            }
+        }
+    }
+}

@@ -309,6 +309,13 @@ fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended(
         slow < 0.5 * fast && step_m[step_m.len() - 1] <= 2.5e-5,
         "{step_m:?}"
     );
+    // It may go again at once: what is over stands against arming for a while.
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let lost = Some(Obstacle::Fault(Fault::LinkLost));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == lost),
+        "{reply:?}"
+    );
 }
 
 #[test]

@@ -338,7 +338,9 @@ fn a_load_cell_that_stands_in_its_converters_noise_moves_nothing_beyond_the_plan
     assert_eq!(each(USUAL, &[StandingForce], &PHASES[1..2]), [""; 0]);
 }
 
-// proves: fault.stale_sample, fault.output, fault.disagree by KnownVoltageFlickers, ReadBackFlickers, SecondSensorFlickers
+// proves: fault.stale_sample by KnownVoltageFlickers
+// proves: fault.output by ReadBackFlickers
+// proves: fault.disagree by SecondSensorFlickers
 #[test]
 fn what_comes_and_goes_trips_though_no_run_of_bad_steps_is_long() {
     for (fault, reason) in [

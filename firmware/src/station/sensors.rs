@@ -12,7 +12,8 @@ const TIMEOUT_STEPS: u8 = 4;
 const NO_FORCE_SHARE: f64 = 0.02;
 
 /// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
-/// either side, one code of 12. A load cell that lives has more noise than that, also where a specimen yields.
+/// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
+/// declared noise widens it: a dead one that is louder is not seen here, as docs/hazards.md says.
 const STANDS_PART: u16 = 16_000;
 
 /// What a test allows; the largest number where it is not looked at.

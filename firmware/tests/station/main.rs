@@ -89,7 +89,8 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
     assert_eq!(outer.mode(), Mode::Idle);
 }
 
-// proves: command.event, obstacle.fault, obstacle.not_configured, obstacle.nothing_to_run by stop_pressed
+// proves: command.event, obstacle.not_configured, obstacle.nothing_to_run
+// proves: obstacle.fault by stop_pressed
 #[test]
 fn arming_needs_a_test_and_something_to_run() {
     let mut b = bench();
@@ -107,7 +108,7 @@ fn arming_needs_a_test_and_something_to_run() {
     // It may come back.
     assert_eq!(obstacle(b.event(Event::Arm)), pressed);
     b.settle();
-    done(&b.event(Event::Arm));
+    done(&b.ask(Command::Event(Event::Arm)));
 }
 
 // proves: command.configure, command.calibrate, command.save, command.signal, command.motion, command.zero
@@ -503,7 +504,8 @@ fn a_welded_contact_stands_against_arming() {
     );
 }
 
-// proves: obstacle.crystal, obstacle.converters by crystal_ok, converters_ok
+// proves: obstacle.crystal by crystal_ok
+// proves: obstacle.converters by converters_ok
 #[test]
 fn what_the_start_has_found_wrong_stands_against_arming() {
     for (crystal_ok, converters_ok, against) in [

@@ -1,7 +1,7 @@
 //! What the tests of this repository claim to prove: the lines `// proves:` above them.
 //!
-//! A claim is a list of ids; `by` names what is made to fail, as the file has it. An asterisk at the end of an id is all
-//! that begin so, for tests that go over the code's own list.
+//! A line is a list of ids; `by` names what the test makes to fail for these, as the code has it. An asterisk at the end of an id is
+//! all that begin so, for tests that go over the code's own list. What is named has to stand in the test, or in what it uses of its file.
 
 use super::ids::Id;
 use std::path::{Path, PathBuf};
@@ -52,10 +52,15 @@ pub struct Claim {
     pub place: Place,
     /// It waits for `scripts/nightly`.
     pub nightly: bool,
-    /// The ids.
-    pub ids: Vec<String>,
-    /// What is made to fail.
-    pub by: Vec<String>,
+    /// The ids, each with what is made to fail for it.
+    pub ids: Vec<(String, Vec<String>)>,
+}
+
+impl Claim {
+    /// Whether it claims this.
+    pub fn has(&self, id: &str) -> bool {
+        self.ids.iter().any(|(claimed, _)| claimed == id)
+    }
 }
 
 /// The line's beginning.
@@ -87,11 +92,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
 
 fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong: &mut Vec<String>) {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
-    let code: String = lines
-        .iter()
-        .filter(|l| !l.starts_with(MARK))
-        .flat_map(|l| [*l, "\n"])
-        .collect();
+    let items = items(text);
     for (at, line) in lines.iter().enumerate() {
         let Some(said) = line.strip_prefix(MARK) else {
             continue;
@@ -107,15 +108,16 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
             fail("no test stands below what is claimed".into());
             continue;
         };
+        let code = used_by(name, &items);
         let (said, by) = said.split_once(" by ").unwrap_or((said, ""));
         let by: Vec<String> = list(by).map(str::to_owned).collect();
         for named in by.iter().filter(|b| !code.contains(b.as_str())) {
-            fail(format!("there is no {named} in this file"));
+            fail(format!("there is no {named} in this test"));
         }
         let mut claimed = Vec::new();
         for id in list(said) {
             match expand(id, &code, ids) {
-                Ok(expanded) => claimed.extend(expanded),
+                Ok(expanded) => claimed.extend(expanded.into_iter().map(|id| (id, by.clone()))),
                 Err(what) => fail(what),
             }
         }
@@ -124,7 +126,6 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
             // Its claim goes over several lines.
             Some(last) if last.file == file && last.test == name => {
                 last.ids.extend(claimed);
-                last.by.extend(by);
             }
             _ => claims.push(Claim {
                 file: file.to_owned(),
@@ -132,23 +133,78 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
                 place: Place::of(file),
                 nightly,
                 ids: claimed,
-                by,
             }),
         }
     }
+}
+
+/// Functions and constants of a file by their names, as rustfmt sets them: to the first line that is no deeper and ends something.
+fn items(text: &str) -> Vec<(&str, String)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut items = Vec::new();
+    for (at, line) in lines.iter().enumerate() {
+        let bare = line.trim_start();
+        let indent = &line[..line.len() - bare.len()];
+        let mut rest = bare;
+        for before in [
+            "pub ",
+            "pub(crate) ",
+            "pub(super) ",
+            "const fn ",
+            "fn ",
+            "const ",
+            "static ",
+        ] {
+            rest = rest.strip_prefix(before).unwrap_or(rest);
+        }
+        let name = rest.split(|c: char| !is_of_a_name(c)).next();
+        let (false, Some(name)) = (rest == bare || bare.starts_with("pub use"), name) else {
+            continue;
+        };
+        let ends = |l: &&str| {
+            let closes = l.strip_prefix(indent).is_some_and(|l| !l.starts_with(' '));
+            closes && (l.ends_with('}') || l.ends_with(';'))
+        };
+        let last = lines[at..].iter().position(ends).unwrap_or(0);
+        items.push((name, lines[at..=at + last].join("\n")));
+    }
+    items
+}
+
+/// A test with all that it names of its file, and what that names.
+fn used_by(test: &str, items: &[(&str, String)]) -> String {
+    let mut code = String::new();
+    let mut names = vec![test];
+    let mut at = 0;
+    while let Some(&name) = names.get(at) {
+        at += 1;
+        for (_, text) in items.iter().filter(|(n, _)| *n == name) {
+            code.push_str(text);
+            code.push('\n');
+            for word in text.split(|c| !is_of_a_name(c)) {
+                if let Some((other, _)) = items.iter().find(|(n, _)| *n == word)
+                    && !names.contains(other)
+                {
+                    names.push(other);
+                }
+            }
+        }
+    }
+    code
+}
+
+fn is_of_a_name(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
 }
 
 fn list(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|w| !w.is_empty())
 }
 
-/// The ids that are meant; the file has to have what they are called in the code.
+/// The ids that are meant; the test has to have what they are called in the code.
 fn expand(claimed: &str, code: &str, ids: &[Id]) -> Result<Vec<String>, String> {
     let begin = claimed.strip_suffix('*');
-    let meant: Vec<&Id> = ids
-        .iter()
-        .filter(|id| begin.map_or(id.name == claimed, |b| id.name.starts_with(b)))
-        .collect();
+    let meant: Vec<&Id> = ids.iter().filter(|id| id.is_meant_by(claimed)).collect();
     if meant.is_empty() {
         return Err(format!("{claimed} is no id of the code"));
     }
@@ -213,11 +269,20 @@ mod tests {
         assert_eq!(wrong, [""; 0]);
         assert_eq!(claims.len(), 1);
         assert_eq!((claims[0].place, claims[0].nightly), (Place::Image, true));
-        assert_eq!(claims[0].ids, ["fault.force", "limit.force_n"]);
-        assert_eq!(
-            (claims[0].test.as_str(), &*claims[0].by),
-            ("one", &["Burst".into()][..])
-        );
+        let ids: Vec<&str> = claims[0].ids.iter().map(|(id, _)| id.as_str()).collect();
+        assert_eq!(ids, ["fault.force", "limit.force_n"]);
+        assert!(claims[0].ids.iter().all(|(_, by)| by[..] == ["Burst"]));
+        assert_eq!(claims[0].test, "one");
+    }
+
+    #[test]
+    fn what_a_test_makes_to_fail_is_of_the_line_that_names_it() {
+        let text = "// proves: fault.force by Burst\n// proves: limit.force_n\n#[test]\nfn one() {\n    helper();\n}\n\n\
+            fn helper() {\n    Fault::Force; limits.force_n; Burst\n}";
+        let (claims, wrong) = read(text);
+        assert_eq!(wrong, [""; 0]);
+        let by = |at: usize| claims[0].ids[at].1.len();
+        assert_eq!((claims.len(), by(0), by(1)), (1, 1, 0));
     }
 
     #[test]
@@ -235,7 +300,11 @@ mod tests {
             ("// proves: fault.*\n#[test]\nfn one() {}", "no list ALL"),
             (
                 "// proves: fault.force by Burst\n#[test]\nfn one() { Fault::Force; }",
-                "no Burst in this file",
+                "no Burst in this test",
+            ),
+            (
+                "// proves: fault.force\n#[test]\nfn one() {}\n\n#[test]\nfn two() { Fault::Force; }",
+                "Fault::Force is not here",
             ),
         ] {
             let (_, wrong) = read(text);

@@ -55,6 +55,16 @@ pub struct Id {
     pub words: Vec<String>,
 }
 
+impl Id {
+    /// Whether it is what is listed: its name, or the beginning of it before an asterisk.
+    pub fn is_meant_by(&self, listed: &str) -> bool {
+        match listed.strip_suffix('*') {
+            Some(begin) => self.name.starts_with(begin),
+            None => self.name == listed,
+        }
+    }
+}
+
 /// Every id.
 pub fn all() -> Vec<Id> {
     let enums = |kind: Kind, rust: &str, names: &[&str]| -> Vec<Id> {

@@ -2,6 +2,8 @@
 //! `scripts/mutants` makes them, one after the other, and runs the test that each names.
 
 use super::claims::{Claim, Place};
+use super::ids::{Id, Kind};
+use outerloop_core::Mode;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -12,8 +14,11 @@ use std::path::Path;
 pub struct Mutant {
     /// What it is, in some words.
     pub name: String,
-    /// What the test proves by failing.
+    /// What the test proves by failing; an asterisk at the end is all that begin so.
     pub ids: Vec<String>,
+    /// It is wrong in so many ways, one after the other, and the test fails in each; 0 where there is one only.
+    #[serde(default)]
+    pub ways: usize,
     /// The file, from the top of the repository.
     pub file: String,
     /// What stands in it, once.
@@ -71,12 +76,36 @@ fn read<T: DeserializeOwned>(top: &Path, file: &str) -> Result<Vec<T>, String> {
     Ok(list.mutant)
 }
 
-/// The list of wrong lines.
+/// The list of wrong lines, with each of their `ids` by its whole name.
 ///
 /// # Errors
 /// Why it cannot be read, a sentence.
-pub fn all(top: &Path) -> Result<Vec<Mutant>, String> {
-    read(top, "host-tests/mutants.toml")
+pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Mutant>, String> {
+    let mut mutants: Vec<Mutant> = read(top, "host-tests/mutants.toml")?;
+    for mutant in &mut mutants {
+        let (mut named, mut pairs) = (Vec::new(), 0);
+        for listed in &mutant.ids {
+            let meant = ids.iter().filter(|id| id.is_meant_by(listed));
+            let before = named.len();
+            for id in meant {
+                named.push(id.name.clone());
+                pairs += usize::from(id.kind == Kind::Mode);
+            }
+            if named.len() == before {
+                return Err(format!("{}: {listed} is no id of the code", mutant.name));
+            }
+        }
+        // Of a pair, each outcome but the right one.
+        let ways = pairs * Mode::ALL.len();
+        if mutant.ways != ways {
+            return Err(format!(
+                "{}: {ways} ways and not {}",
+                mutant.name, mutant.ways
+            ));
+        }
+        mutant.ids = named;
+    }
+    Ok(mutants)
 }
 
 /// The list of images without a mend.
@@ -132,7 +161,7 @@ pub fn misfits(top: &Path, mutants: &[Mutant], claims: &[Claim]) -> Vec<String> 
             .iter()
             .find(|c| c.test == last && c.file.starts_with(&folder) && c.place == Place::Host);
         for id in &mutant.ids {
-            if !claim.is_some_and(|c| c.ids.contains(id)) {
+            if !claim.is_some_and(|c| c.has(id)) {
                 wrong.push(format!("{name}: no test {last} of {folder} claims {id}"));
             }
         }

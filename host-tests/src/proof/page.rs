@@ -5,6 +5,7 @@ use super::ids::{self, Id, Kind};
 use super::mutants::{self, Mutant};
 use super::top;
 use outerloop_core::{Event, Mode};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Pairs of mode and event that are proved on this machine and on the image, at least, of a hundred.
@@ -26,7 +27,7 @@ impl Proofs {
     pub fn read() -> Result<Self, Vec<String>> {
         let (top, ids) = (top(), ids::all());
         let claims = claims::all(&top, &ids)?;
-        let mutants = mutants::all(&top).map_err(|e| vec![e])?;
+        let mutants = mutants::all(&top, &ids).map_err(|e| vec![e])?;
         let misfits = mutants::misfits(&top, &mutants, &claims);
         if !misfits.is_empty() {
             return Err(misfits);
@@ -40,15 +41,16 @@ impl Proofs {
 
     fn proved(&self, id: &str, place: Place) -> bool {
         let mut there = self.claims.iter().filter(|c| c.place == place);
-        there.any(|c| c.ids.iter().any(|i| i == id))
+        there.any(|c| c.has(id))
     }
 
     /// What the targets ask for and is not there, a sentence each.
     pub fn gaps(&self) -> Vec<String> {
         let mut gaps = Vec::new();
-        for id in self.ids.iter().filter(|id| id.kind != Kind::Mode) {
+        for id in &self.ids {
             for place in [Place::Host, Place::Image] {
-                if !self.proved(&id.name, place) && exempt(id, place).is_none() {
+                let asked = id.kind != Kind::Mode && exempt(id, place).is_none();
+                if asked && !self.proved(&id.name, place) {
                     gaps.push(format!("{}: no test ({place:?})", id.name));
                 }
             }
@@ -78,12 +80,11 @@ impl Proofs {
         let mutants = self.mutants.iter().enumerate();
         let mutants = mutants.filter(|(_, m)| m.ids.iter().any(|i| i == id));
         let mut names: Vec<String> = mutants.map(|(at, _)| format!("M{}", at + 1)).collect();
-        for claim in self.claims.iter().filter(|c| c.ids.iter().any(|i| i == id)) {
-            for by in &claim.by {
-                let by = format!("`{by}`");
-                if !names.contains(&by) {
-                    names.push(by);
-                }
+        let claimed = self.claims.iter().flat_map(|c| &c.ids);
+        for by in claimed.filter(|(i, _)| i == id).flat_map(|(_, by)| by) {
+            let by = format!("`{by}`");
+            if !names.contains(&by) {
+                names.push(by);
             }
         }
         names.join(", ")
@@ -94,7 +95,7 @@ impl Proofs {
         let here = self.claims.iter().filter(|c| c.place == place);
         let numbers: Vec<String> = here
             .enumerate()
-            .filter(|(_, c)| c.ids.iter().any(|i| i == id))
+            .filter(|(_, c)| c.has(id))
             .map(|(at, _)| format!("{}{}", place.letter(), at + 1))
             .collect();
         numbers.join(", ")
@@ -115,7 +116,7 @@ impl Proofs {
 
     /// How much of each kind is held where.
     fn shares(&self, page: &mut String) {
-        page.push_str("\n| | there are | host | image | a reason in place of the image |\n|---|---|---|---|---|\n");
+        page.push_str("\n| | there are | host | QEMU | image | a reason in place of the image |\n|---|---|---|---|---|---|\n");
         for kind in Kind::ALL {
             let ids: Vec<&Id> = self.ids.iter().filter(|id| id.kind == kind).collect();
             let share = |place: Place| {
@@ -125,10 +126,11 @@ impl Proofs {
             let reasons = ids.iter().filter(|id| exempt(id, Place::Image).is_some());
             let _ = writeln!(
                 page,
-                "| {} | {} | {:.0} % | {:.0} % | {} |",
+                "| {} | {} | {:.0} % | {:.0} % | {:.0} % | {} |",
                 title(kind),
                 ids.len(),
                 share(Place::Host),
+                share(Place::Qemu),
                 share(Place::Image),
                 reasons.count()
             );
@@ -184,24 +186,20 @@ impl Proofs {
             .into_iter()
             .flat_map(|place| {
                 let here = self.claims.iter().filter(move |c| c.place == place);
-                let with = |c: &Claim| c.ids.iter().any(|i| i.starts_with("mode."));
+                let with = |c: &Claim| c.ids.iter().any(|(i, _)| i.starts_with("mode."));
                 here.enumerate()
                     .filter(move |(_, c)| with(c))
                     .map(move |(at, _)| format!("{}{}", place.letter(), at + 1))
             })
             .collect();
-        let mutants: Vec<String> = self
-            .mutants
-            .iter()
-            .enumerate()
-            .filter(|(_, m)| m.ids.iter().any(|i| i.starts_with("mode.")))
-            .map(|(at, _)| format!("M{}", at + 1))
-            .collect();
+        let modes = self.ids.iter().filter(|id| id.kind == Kind::Mode);
+        let spoilt: BTreeSet<String> = modes.map(|id| self.spoilt(&id.name)).collect();
+        let spoilt: Vec<String> = spoilt.into_iter().collect();
         let _ = writeln!(
             page,
-            "{}; seen by {}.",
+            "{}; each pair is seen by {}.",
             tests.join(", "),
-            mutants.join(", ")
+            spoilt.join(" or ")
         );
     }
 
@@ -229,7 +227,11 @@ impl Proofs {
             let Mutant {
                 name, file, test, ..
             } = mutant;
-            let _ = writeln!(page, "| M{} | {name} | {file} | `{test}` |", at + 1);
+            let ways = match mutant.ways {
+                0 => String::new(),
+                ways => format!(", in {ways} ways"),
+            };
+            let _ = writeln!(page, "| M{} | {name}{ways} | {file} | `{test}` |", at + 1);
         }
     }
 }
@@ -266,8 +268,9 @@ code (M), or what the test itself makes to fail. Printed from the code's own lis
 cargo run -p host-tests --bin proof-table -- --markdown
 ```
 
-A test of the scenarios holds that this page is what is printed and that nothing is missing: every id but the pairs has a
-test on the host and on the image, and something that was made to fail; 95 of 100 pairs of mode and event have a test on both.
+A test of the scenarios holds that this page is what is printed and that nothing is missing: every id has
+something that was made to fail, every id but the pairs a test on the host and on the image; 95 of 100 pairs of mode and event have a
+test on both. A mutant leads each pair to each of the modes that it does not lead to, and refuses each that is not refused.
 What has a reason in place of a test: a limit that *only tells* changes no command; the least energy is *part of another* limit,
 `energy_trip`.
 `scripts/mutants` makes each mutant and runs its test, which has to fail (nightly).
