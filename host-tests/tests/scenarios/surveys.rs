@@ -88,7 +88,7 @@ fn a_mass_at_the_load_cell_does_not_shake_where_the_command_is_sent_further_ahea
         let [plain, corrected] = [&[][..], &[correct]].map(|set| written((51_000_000, i), set));
         println!("{i}: {:.4} {:.4}", plain.eps_rms, corrected.eps_rms);
         assert_eq!(corrected.verdict, TestVerdict::Completed, "{i}");
-        assert!(corrected.eps_rms < 0.7 * plain.eps_rms, "{i}");
+        assert!(corrected.eps_rms < 0.9 * plain.eps_rms, "{i}");
     }
 }
 
