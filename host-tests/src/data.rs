@@ -1,6 +1,7 @@
 //! Ground motions: one drawn here, which is always there, and those by other people where they are at hand (see the crate `test-data`).
 
 use crate::Shaking;
+use experiment::files::ground_motion::GroundMotionFile;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::TAU;
@@ -21,6 +22,25 @@ pub fn ground_motion(name: &str) -> Option<Shaking> {
         acc_m_per_s2: rows.iter().map(|r| (r.1 * 9.80665) as f32).collect(),
         interval_s: rows.get(1)?.0 - rows.first()?.0,
     })
+}
+
+/// The records by other people of different shakings, by their file names, as far as they are here.
+pub fn recorded() -> Vec<GroundMotionFile> {
+    let names = [
+        "ELCENTRO_NS_1940_NGAW2",
+        "KJMA_NS_1995_NGAW2",
+        "RTHSBENCH_Morgan",
+        "TABAS_TR_1978_PEERold",
+    ];
+    let file = |name: &str| {
+        let shaking = ground_motion(name)?;
+        Some(GroundMotionFile {
+            name: name.to_owned(),
+            acc_m_per_s2: shaking.acc_m_per_s2,
+            interval_s: shaking.interval_s,
+        })
+    };
+    names.into_iter().filter_map(file).collect()
 }
 
 /// The two records of the paper: Kobe and Tabas.

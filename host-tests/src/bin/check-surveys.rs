@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 use comfy_table::{Table, presets};
 use experiment::failure::Failure;
 use experiment::files::output;
+use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::{monitor, verdicts, watch, watched_records};
 use indicatif::ProgressBar;
@@ -76,6 +77,7 @@ struct WatchAnswer<'a> {
     seed: u64,
     targets: &'a [watch::Target],
     sound: &'a [watch::SoundTrial],
+    recorded: &'a [watch::SoundTrial],
     faulty: &'a [watch::FaultTrial],
     of_any_kind: &'a [watch::FaultTrial],
 }
@@ -180,12 +182,16 @@ fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
 fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, Failure> {
     // Half as many again have an effect of any kind, from the start or in mid-test.
     let others = faulty / 2;
-    let progress = ProgressBar::new(sound + faulty + others);
+    // And a tenth as many sound ones have a recorded ground motion.
+    let under_records = sound / 10;
+    let progress = ProgressBar::new(sound + under_records + faulty + others);
+    let motions = data::recorded();
+    let recorded = watch::recorded(under_records, arguments.seed, &motions, || progress.inc(1))?;
     let sound = watch::sound(sound, arguments.seed, || progress.inc(1))?;
     let faulty = watch::faulty(faulty, arguments.seed, || progress.inc(1))?;
     let of_any_kind = watch::of_any_kind(others, arguments.seed, || progress.inc(1))?;
     progress.finish_and_clear();
-    let targets = watch::targets(&sound, &faulty, &of_any_kind);
+    let targets = watch::targets([&sound, &recorded], &faulty, &of_any_kind);
     let worse: Vec<&str> = targets
         .iter()
         .filter(|t| !t.holds)
@@ -196,6 +202,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
             seed: arguments.seed,
             targets: &targets,
             sound: &sound,
+            recorded: &recorded,
             faulty: &faulty,
             of_any_kind: &of_any_kind,
         });
@@ -210,10 +217,12 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     print_effects("effect from mid-test", from_mid_test);
     let others = watch::by_effect(&watch::Kind::OTHERS, &of_any_kind);
     print_effects("from the start or in mid-test", others);
-    println!("false names (--lot sound):");
-    for (i, trial) in sound.iter().enumerate().filter(|(_, t)| t.counts) {
-        if let Some(named) = &trial.named {
-            println!("  --number {i}, {}: {named}", trial.kind);
+    println!("false names:");
+    for (lot, trials) in [("sound", &sound), ("recorded", &recorded)] {
+        for (i, trial) in trials.iter().enumerate().filter(|(_, t)| t.counts) {
+            if let Some(named) = &trial.named {
+                println!("  --lot {lot} --number {i}, {}: {named}", trial.kind);
+            }
         }
     }
     println!("made worse by a correction:");
@@ -257,7 +266,9 @@ fn print_effects(head: &str, rows: Vec<[String; 9]>) {
 
 /// Test file and ground motion of a test of the survey of a seed.
 fn write_test(folder: &Path, seed: u64, (lot, i): (watch::Lot, u64)) -> Result<bool, Failure> {
-    let (text, shaking) = lot.test(seed, i);
+    let test = lot.test(seed, i);
+    let (text, shaking) =
+        test.ok_or_else(|| Failure::input("no recorded ground motion is at hand"))?;
     let points = shaking.acc_m_per_s2.iter().enumerate();
     let motion: String = points
         .map(|(i, a)| format!("{:.5},{a}\n", i as f64 * shaking.interval_s))

@@ -7,6 +7,7 @@ use experiment::files::test::TestFile;
 use experiment::summary::{Summary, TestVerdict};
 use host_tests::compensations::condition::{Condition, yielding};
 use host_tests::compensations::{self, standing};
+use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::verdicts::ActualOutcome;
 use host_tests::surveys::{monitor, verdicts, watch, watched_records};
@@ -70,7 +71,7 @@ fn the_bench_of_compensations_ranks_its_contestants() {
 /// A test of the survey as it is written with keys that are set, by the seed that is printed.
 fn written((survey, i): (u64, u64), set: &[String]) -> Summary {
     let lot = watch::Lot::MidTest;
-    let (text, shaking) = lot.test(survey, i);
+    let (text, shaking) = lot.test(survey, i).expect("a drawn motion");
     let test = TestFile::parse(&text, "written", std::path::Path::new(""), set).expect("a test");
     let method = test.config.compensation.kind;
     let experiment = Experiment::new(test, &shaking, None).expect("a test");
@@ -83,9 +84,11 @@ fn written((survey, i): (u64, u64), set: &[String]) -> Summary {
 /// acceleration of the target, which is the force's, had these tests shake until a reading was at its rail.
 #[test]
 fn a_mass_at_the_load_cell_does_not_shake_where_the_command_is_sent_further_ahead() {
-    for i in [750, 904, 909] {
+    for (i, kind) in [(750, "lagrange"), (904, "lagrange"), (909, "inverse")] {
+        let kind = format!("compensation.kind='{kind}'");
         let correct = "watch.correct=['lateness']".to_owned();
-        let [plain, corrected] = [&[][..], &[correct]].map(|set| written((51_000_000, i), set));
+        let [plain, corrected] =
+            [vec![kind.clone()], vec![kind, correct]].map(|set| written((51_000_000, i), &set));
         println!("{i}: {:.4} {:.4}", plain.eps_rms, corrected.eps_rms);
         assert_eq!(corrected.verdict, TestVerdict::Completed, "{i}");
         assert!(corrected.eps_rms < 0.9 * plain.eps_rms, "{i}");
@@ -118,7 +121,10 @@ fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     let any = watch::of_any_kind(60, 7000, || ()).expect("tests that can run");
     let drawn = |kind: &watch::Kind| any.iter().any(|t| t.kind == *kind);
     assert!(watch::Kind::OTHERS.iter().all(drawn));
-    let targets = watch::targets(&sound, &faulty, &any);
+    let motions = data::recorded();
+    let recorded = watch::recorded(20, 7000, &motions, || ()).expect("tests that can run");
+    assert_eq!(recorded.len(), if motions.is_empty() { 0 } else { 20 });
+    let targets = watch::targets([&sound, &recorded], &faulty, &any);
     assert_eq!(targets[0].found, format!("{} of {all}", named.len()));
     assert!(targets.iter().all(|t| t.holds), "{targets:#?}");
 }

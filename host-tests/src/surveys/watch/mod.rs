@@ -10,7 +10,7 @@
 //! Sound rigs: 0.5 to 4 Hz, 5 to 100 mm, 3 to 30 ms of lateness, from a delay with a lag to a servo-hydraulic actuator; linear,
 //! bilinear and Bouc-Wen specimens with up to 2 % of the structure's mass at their load cell, one in four of those that yield degrading, one in three of the linear ones hardening, softening or
 //! degrading; 12 and 16 bits, noise of 0.01 to 0.5 % of the peak;
-//! seven compensations; one in eight with two actuators.
+//! sixteen compensations; one in eight with two actuators.
 
 mod draw;
 mod effect;
@@ -22,6 +22,7 @@ pub use effect::Kind;
 pub use table::{Target, by_effect, targets};
 pub use trial::{FaultTrial, SoundTrial};
 
+use crate::data;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
 use outerloop_core::Method;
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 /// Seeds of tests in which something goes wrong are so far from those of sound ones, those with an effect of any kind twice as far.
 const FAULTS_FROM: u64 = 1_000_000;
 const ANY_FROM: u64 = 2 * FAULTS_FROM;
+const RECORDED_FROM: u64 = 3 * FAULTS_FROM;
 /// Of so many tests with an effect, one has two at once.
 const TWO_IN: u64 = 10;
 /// One in four is run under `ats` as well, and one in four under one of the others that learn.
@@ -43,7 +45,7 @@ const LEARN: [Method; 6] = [
     Method::Mcs,
 ];
 
-/// The three lots of tests of a survey.
+/// The lots of tests of a survey.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Lot {
     /// Nothing goes wrong.
@@ -52,6 +54,8 @@ pub enum Lot {
     MidTest,
     /// An effect of any kind, from the start or in mid-test.
     AnyKind,
+    /// Nothing goes wrong, and the ground moves as it was recorded.
+    Recorded,
 }
 
 impl Lot {
@@ -61,20 +65,27 @@ impl Lot {
             Self::Sound => 0,
             Self::MidTest => FAULTS_FROM,
             Self::AnyKind => ANY_FROM,
+            Self::Recorded => RECORDED_FROM,
         };
         seed + from + i
     }
 
-    /// Test file and ground motion of its test `i` in the survey of `seed`, for whoever looks at one test.
-    pub fn test(self, seed: u64, i: u64) -> (String, GroundMotionFile) {
+    /// Test file and ground motion of its test `i` in the survey of `seed`, for whoever looks at one test; none where there is no
+    /// recorded ground motion.
+    pub fn test(self, seed: u64, i: u64) -> Option<(String, GroundMotionFile)> {
         let own = self.seed(seed, i);
-        let (text, shaking) = match self {
-            Self::Sound => trial::sound_test(own),
+        Some(match self {
+            Self::Sound => trial::sound_test(own, None),
             Self::MidTest => trial::test_with(own, |rig, draw| in_mid_test(i, rig, draw)),
             Self::AnyKind => trial::test_with(own, of_any_effect),
-        };
-        (text, shaking)
+            Self::Recorded => trial::sound_test(own, Some(of_turn(&data::recorded(), i)?)),
+        })
     }
+}
+
+/// The motion of test `i`, each in its turn.
+fn of_turn(motions: &[GroundMotionFile], i: u64) -> Option<&GroundMotionFile> {
+    motions.get(i as usize % motions.len().max(1))
 }
 
 /// One effect in mid-test; in one test of ten two.
@@ -112,11 +123,29 @@ pub fn sound(
     (0..tests)
         .into_par_iter()
         .map(|i| {
-            let trial = SoundTrial::run(Lot::Sound.seed(seed, i));
+            let trial = SoundTrial::run(Lot::Sound.seed(seed, i), None);
             one_done();
             trial
         })
         .collect()
+}
+
+/// So many sound tests under `motions` in turn; none where there are none.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn recorded(
+    tests: u64,
+    seed: u64,
+    motions: &[GroundMotionFile],
+    one_done: impl Fn() + Sync,
+) -> Result<Vec<SoundTrial>, Failure> {
+    let trials = (0..tests).into_par_iter().map(|i| {
+        one_done();
+        let motion = of_turn(motions, i)?;
+        Some(SoundTrial::run(Lot::Recorded.seed(seed, i), Some(motion)))
+    });
+    trials.flatten().collect()
 }
 
 /// So many tests in which something goes wrong.

@@ -33,7 +33,8 @@ struct Scales {
     force_n: f64,
 }
 
-const COMPENSATIONS: [&str; 7] = [
+/// All that can be drawn: `amb` has gains of its motion, `none` and Eq. 14 leave the actuator late.
+const COMPENSATIONS: [&str; 16] = [
     "paper",
     "inverse",
     "phase-lead",
@@ -41,6 +42,15 @@ const COMPENSATIONS: [&str; 7] = [
     "ats",
     "afp",
     "hydraulic",
+    "adaptive-inverse",
+    "ahmadizadeh+afp",
+    "darby",
+    "feedforward-feedback",
+    "mcs",
+    "model-prediction",
+    "paper+inverse",
+    "paper+lagrange",
+    "tangent+afp",
 ];
 /// Standard tolerances: of the gain, and of the peak displacement an offset.
 const GAIN: f64 = 0.003;

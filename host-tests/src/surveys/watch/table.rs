@@ -106,14 +106,15 @@ fn in_points(missed: f64) -> String {
     }
 }
 
-/// Every row of the table; `of_any_kind`: tests with an effect of any kind, from the start or in mid-test.
+/// Every row of the table; `recorded`: sound tests whose ground moves as it was recorded; `of_any_kind`: tests with an effect of any
+/// kind, from the start or in mid-test.
 pub fn targets(
-    sound: &[SoundTrial],
+    [sound, recorded]: [&[SoundTrial]; 2],
     faulty: &[FaultTrial],
     of_any_kind: &[FaultTrial],
 ) -> Vec<Target> {
     let one: Vec<&FaultTrial> = faulty.iter().filter(|t| t.beside.is_none()).collect();
-    let mut rows = false_names(sound);
+    let mut rows = false_names(sound, recorded);
     rows.extend(names(&one));
     rows.extend(corrections(&one));
     let all: Vec<&FaultTrial> = faulty.iter().chain(of_any_kind).collect();
@@ -230,7 +231,7 @@ fn share(target: &'static str, aim: &'static str, share: Share, [least, held]: [
     }
 }
 
-fn false_names(sound: &[SoundTrial]) -> Vec<Target> {
+fn false_names(sound: &[SoundTrial], recorded: &[SoundTrial]) -> Vec<Target> {
     let counts: Vec<&SoundTrial> = sound.iter().filter(|t| t.counts).collect();
     let hidden = |t: &&&SoundTrial| t.yields && t.declared_elastic;
     let elastic: Vec<&SoundTrial> = counts.iter().filter(hidden).copied().collect();
@@ -253,6 +254,15 @@ fn false_names(sound: &[SoundTrial]) -> Vec<Target> {
             "the same, hardens, softens or degrades though declared linear",
             "0",
             Share::among(&bent, named),
+            1e-3,
+        ),
+        count(
+            "the same, recorded ground motions",
+            "0",
+            Share::among(
+                &recorded.iter().filter(|t| t.counts).collect::<Vec<_>>(),
+                named,
+            ),
             1e-3,
         ),
     ]

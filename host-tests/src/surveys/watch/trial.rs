@@ -22,6 +22,8 @@ const UNGUARDED: &str = "[watch]\nguard = false\n";
 const UNWATCHED: &str = "[watch]\non = false\n";
 /// The energy monitor where it is beside the watch: the default of `limits.energy_trip`.
 const ENERGY_TRIP: f64 = 3.0;
+/// Share of its squares from which a recorded motion has begun.
+const BEGUN: f32 = 0.01;
 /// Most that a test can be off, peaks: what ran away is off by this.
 const LOST: f64 = 1.0;
 
@@ -122,9 +124,12 @@ impl FaultTrial {
     }
 }
 
-/// The test of a sound seed.
-pub(super) fn sound_test(seed: u64) -> (String, GroundMotionFile) {
-    let rig = DrawnRig::new(seed);
+/// The test of a sound seed, under another motion where there is one.
+pub(super) fn sound_test(
+    seed: u64,
+    motion: Option<&GroundMotionFile>,
+) -> (String, GroundMotionFile) {
+    let rig = Planned::new(seed).under(motion).rig;
     (rig.text, rig.shaking)
 }
 
@@ -156,9 +161,29 @@ impl Planned {
         }
     }
 
+    /// Under the strong part of another motion, as long as the drawn one.
+    fn under(mut self, motion: Option<&GroundMotionFile>) -> Self {
+        if let Some(motion) = motion {
+            let all = motion.acc_m_per_s2.iter();
+            let squares: f32 = all.clone().map(|a| a * a).sum();
+            let begun = |sum: &mut f32, a: &f32| {
+                *sum += a * a;
+                Some(*sum > BEGUN * squares)
+            };
+            let from = all.clone().scan(0.0, begun).take_while(|begun| !begun);
+            let samples = (self.rig.seconds / motion.interval_s) as usize;
+            self.rig.shaking = GroundMotionFile {
+                acc_m_per_s2: all.skip(from.count()).take(samples).copied().collect(),
+                ..motion.clone()
+            };
+        }
+        self
+    }
+
     /// The same with the specimen as declared, where this one bends.
     fn without_bend(&self) -> Option<Self> {
         let mut straight = Self::new(self.seed);
+        straight.rig.shaking.clone_from(&self.rig.shaking);
         let text = &mut straight.rig.text;
         text.truncate(text.len() - straight.rig.bend.len());
         (!straight.rig.bend.is_empty()).then_some(straight)
@@ -217,12 +242,12 @@ fn first(watch: Option<&WatchReport>) -> Option<&WatchEvent> {
 }
 
 impl SoundTrial {
-    /// Of a seed.
+    /// Of a seed, under another motion where there is one.
     ///
     /// # Errors
     /// A test that cannot run.
-    pub fn run(seed: u64) -> Result<Self, Failure> {
-        let mut planned = Planned::new(seed);
+    pub fn run(seed: u64, motion: Option<&GroundMotionFile>) -> Result<Self, Failure> {
+        let mut planned = Planned::new(seed).under(motion);
         let s = planned.run("", None)?;
         let mut fits = s.eps_rms <= POOR_EPS_RMS;
         // How far a specimen that bends takes the test from what was planned says nothing of the compensation.
