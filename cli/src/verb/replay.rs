@@ -90,9 +90,12 @@ impl Replay {
             ))),
             None => {
                 if !self.json {
+                    let watched = match archived.summary["watch"].is_object() {
+                        true => ", and what the rig watch said of them",
+                        false => "",
+                    };
                     println!(
-                        "{file}: all {} steps of {} channels are the same to the bit, and what the rig watch said of them. Archived by \
-                         {}, replayed by {}.",
+                        "{file}: all {} steps of {} channels are the same to the bit{watched}. Archived by {}, replayed by {}.",
                         found.steps, found.channels, found.archived_by, found.replayed_by
                     );
                 }

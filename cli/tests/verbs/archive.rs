@@ -59,8 +59,18 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     let first = found["first_difference"].as_str().unwrap();
     assert!(first.starts_with("force_n at step 1234"), "{first}");
 
-    // What no step depends on is held as well: a time, or a word of the summary.
     let whole = std::fs::read(folder.path().join("out/record.h5")).unwrap();
+    let flags: Vec<u32> = h5.dataset("flags_1").unwrap().read().unwrap();
+    let pattern: Vec<u8> = flags[..64].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let mut forged = whole.clone();
+    let place = { forged.windows(pattern.len()) }.position(|w| w == pattern);
+    forged[place.unwrap()] ^= 1;
+    std::fs::write(&file, &forged).unwrap();
+    let found = json_with(1, &["replay", &file, "--json"]);
+    let first = found["first_difference"].as_str().unwrap();
+    assert!(first.starts_with("flags at step 0, "), "{first}");
+
+    // What no step depends on is held as well: a time, or a word of the summary.
     let text = |word: &str| -> Vec<u8> { word.encode_utf16().flat_map(u16::to_le_bytes).collect() };
     for (name, pattern, other) in [
         (
