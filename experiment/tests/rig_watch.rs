@@ -373,6 +373,20 @@ fn what_a_sensor_shows_after_something_else_has_a_name_is_named_beside_it() {
 }
 
 #[test]
+fn what_a_sensor_shows_stands_against_no_correction_and_no_stop() {
+    let hum = "[[plant.effects]]\nfrom_s = 5\nname = 'mains_hum'\nsensor = 'displacement'\namplitude_mm = 0.5\n";
+    let both = format!("{hum}{JUMP}");
+    let corrected = run(&both, &["watch.correct=['lateness']"]).summary.watch;
+    let corrected = corrected.unwrap();
+    let first = named(&corrected);
+    assert!(holds(first, "mains_hum", "displacement") && first.set.len() == 1);
+    let last = corrected.corrections.last().expect("it is corrected for");
+    assert!(last.corrected > 8.0, "{last:?}");
+    let stopped = run(&both, &["watch.trip_eps=0.1"]).summary;
+    assert_eq!(stopped.trip, Some("watch"), "{}", stopped.sentence());
+}
+
+#[test]
 fn a_correction_that_finds_nothing_to_correct_changes_no_bit() {
     for more in ["", "[plant.specimen]\nkind = 'bilinear'\nyield_mm = 12\n"] {
         for method in ["compensation.kind='paper'", "compensation.kind='inverse'"] {
