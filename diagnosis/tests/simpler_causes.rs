@@ -90,6 +90,34 @@ fn friction_of_a_short_record_is_not_said_to_fall_with_speed() {
     );
 }
 
+/// A spring in series with a bolted joint: it slips at a force until its bolts bear, so far to each side.
+fn bolted(x: &[f64], n_per_mm: f64, slips_n: f64, clearance_mm: f64) -> Vec<f64> {
+    let mut slipped = 0.0_f64;
+    let force = |x: &f64| {
+        let f = n_per_mm * (x - slipped);
+        let over = (f.abs() - slips_n).max(0.0) / n_per_mm;
+        slipped = (slipped + over.copysign(f)).clamp(-clearance_mm, clearance_mm);
+        n_per_mm * (x - slipped)
+    };
+    x.iter().map(force).collect()
+}
+
+#[test]
+fn a_bolted_joint_beside_the_spring_is_no_hysteresis() {
+    let x = shaken(40.0, |u| between_rests(u, 0.05));
+    let a = asked(&x, &bolted(&x, 400.0, 600.0, 3.0));
+    let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, [Effect::SlipGap], "{}", said(&a));
+    let has = |key: &str, value: f64| {
+        let own = a.effects[0].parameters.iter().find(|p| p.name == key);
+        let own = own.expect("a parameter").value;
+        assert!((own / value - 1.0).abs() < 0.05, "{key} {own}");
+    };
+    has("stiffness_n_per_mm", 400.0);
+    has("slip_n", 600.0);
+    has("gap_mm", 6.0);
+}
+
 /// Cycles of half a hertz, two of a size.
 fn cycles(seconds: f64, size_mm: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |i: usize| {

@@ -67,6 +67,21 @@ fn each_device_of_earthquake_laboratories_once_gets_no_wrong_name() {
     assert!(all.iter().all(|s| devices().any(|d| d == s.cause)));
 }
 
+/// Cycles at one speed, where hysteresis beside a dashpot of less than was declared had been named.
+const DAMPERS_AT_ONE_SPEED: [u64; 4] = [71_009, 71_048, 71_061, 71_100];
+
+#[test]
+fn a_damper_behind_a_brace_at_one_speed_is_no_hysteresis() {
+    let seeds = DAMPERS_AT_ONE_SPEED.into_par_iter();
+    for s in seeds
+        .map(|seed| answer(set_device(seed)))
+        .collect::<Vec<Sat>>()
+    {
+        let right = matches!(s.mark, Mark::Right | Mark::Set);
+        assert!(right, "{}: {:?}", s.id, s.said);
+    }
+}
+
 #[test]
 fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let all = all(set_ram, 100..124);

@@ -110,7 +110,7 @@ impl<'a> SpecimenData<'a> {
             samples: std::array::from_fn(|b| (edges[b + 1] - edges[b]) as f64),
         };
         Some(Self {
-            rows: table(&sizes, rests),
+            rows: table(&sizes, rests, base.within_tolerances(1).low > 0.0),
             base,
             motions,
             sizes,

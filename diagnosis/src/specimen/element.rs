@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::track::{MotionScales, Track};
-use crate::library::operators::{relaxed, slider, travel};
+use crate::library::operators::{relaxed, slider, slipped, travel};
 use crate::linear::Bound;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,8 @@ pub enum Law {
     Worn,
     /// A slider that is weak around a place [yield displacement mm, width mm, place mm].
     Pinched,
+    /// A spring behind a joint that slips and then bears [slip mm, clearance in all mm].
+    SlippingJoint,
 }
 
 /// An element.
@@ -131,6 +133,10 @@ impl Element {
             Law::SizeOfSpeed => of_v(&f64::abs),
             Law::Settling => settling(t, p),
             Law::Worn => times(slider(x, p), &travels(t), &|w| (-w / q).exp()),
+            Law::SlippingJoint => {
+                let slips = slipped(x, p, q);
+                x.iter().zip(slips).map(|(x, s)| x - s).collect()
+            }
             Law::Pinched => times(slider(x, p), x, &|x| 1.0 - (-((x - r) / q).powi(2)).exp()),
         }
     }

@@ -129,6 +129,11 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("width_mm", "mm", 2.0 * p),
             ("stiffness_n_per_mm", "N/mm", strength),
         ],
+        Law::SlippingJoint => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("gap_mm", "mm", q),
+            ("slip_n", "N", strength * p),
+        ],
         Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
         Law::Warming => vec![
             ("stiffness_change_n_per_mm", "N/mm", strength),
@@ -347,6 +352,11 @@ mod tests {
                 Element::new(Law::Pinched, [1.0, 4.0, 2.0]),
                 Effect::BoucWenHysteresis,
                 ("pinch_width_mm", "mm", 4.0),
+            ),
+            (
+                Element::new(Law::SlippingJoint, [0.5, 3.0]),
+                Effect::SlipGap,
+                ("gap_mm", "mm", 3.0),
             ),
             (
                 Element::new(Law::SliderAlong, [0.1, 7.0]),

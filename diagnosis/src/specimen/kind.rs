@@ -48,6 +48,7 @@ impl Element {
             Law::Beyond if q == 0.0 => Effect::Hardening,
             Law::Away | Law::Square | Law::Beyond => Effect::AsymmetricStiffness,
             Law::Lost => Effect::Backlash,
+            Law::SlippingJoint => Effect::SlipGap,
             Law::Lessened | Law::Fatigued => Effect::Degradation,
             Law::Warming => Effect::TemperatureGain,
             Law::Settling => Effect::Drift,

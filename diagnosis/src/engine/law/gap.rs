@@ -25,6 +25,11 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         .iter()
         .flat_map(|place| [-1.0, 1.0].map(|side| [c + place * x, side, 0.0, 0.0]));
     all.push(Row::element(Law::Beyond, 3.7, sides));
+    // A joint in a part of the structure: the rest of the spring stays as it is.
+    let joints = [0.05, 0.12, 0.3]
+        .iter()
+        .flat_map(|slip| [0.15, 0.3, 0.55, 0.85].map(|gap| [slip * x, gap * x, 0.0, 0.0]));
+    all.push(Row::element(Law::SlippingJoint, 3.2, joints));
     let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();
     all.extend(own);
     all.extend(Row::effect(Effect::Backlash, 2.8, sizes, &[10]));

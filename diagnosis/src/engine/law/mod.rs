@@ -13,8 +13,9 @@ mod spring;
 use super::row::{Form, Row, Sizes};
 use crate::specimen::element::Law;
 
-/// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest.
-pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
+/// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest. `dashpot`: one is
+/// declared, and none is outside its tolerances.
+pub fn table(sizes: &Sizes, rests: bool, dashpot: bool) -> Vec<Row> {
     let mut all = friction::rows(sizes);
     all.extend(hysteresis::rows(sizes));
     all.extend(gap::rows(sizes));
@@ -31,8 +32,12 @@ pub fn table(sizes: &Sizes, rests: bool) -> Vec<Row> {
             row.grid.retain(|shape| kept.is_sound(*shape, sizes));
         }
     }
-    // At one speed a force that builds up in time is friction that builds up along the way, and that is commoner.
-    let takes_time = |r: &Row| matches!(r.form, Form::Element(Law::Relaxing | Law::InSeries));
+    // At one speed a force that builds up in time is friction that builds up along the way, and that is commoner; but not where it
+    // takes the place of a dashpot that is declared.
+    let takes_time = |r: &Row| {
+        matches!(r.form, Form::Element(Law::Relaxing | Law::InSeries))
+            && !(dashpot && r.frees == Some(1))
+    };
     all.retain(|r| !(r.grid.is_empty() || sizes.one_speed && takes_time(r)));
     all
 }
