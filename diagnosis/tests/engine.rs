@@ -77,13 +77,53 @@ fn two_causes_of_like_size_are_both_named_and_leave_the_noise() {
     assert!(force.ci90[0] < force.value && force.value < force.ci90[1]);
 }
 
+/// What a record holds between two instants.
+fn part(r: &Recording, seconds: std::ops::Range<f64>) -> Recording {
+    let of = |x: &Vec<f64>| -> Vec<f64> {
+        let own = r.time_s.iter().zip(x);
+        own.filter(|(t, _)| seconds.contains(t))
+            .map(|(_, x)| *x)
+            .collect()
+    };
+    Recording {
+        time_s: of(&r.time_s),
+        command_mm: r.command_mm.as_ref().map(of),
+        displacement_mm: r.displacement_mm.as_ref().map(of),
+        force_n: r.force_n.as_ref().map(of),
+        ..r.clone()
+    }
+}
+
 #[test]
 fn other_held_out_data_change_the_error_and_not_the_names() {
     let [train, test] = rig::pair(&two_causes(), 23);
     let [other, _] = rig::pair(&two_causes(), 24);
-    let [one, two] = [&test, &other].map(|held_out| specimen(&train, held_out));
-    assert_eq!(names(&one), names(&two));
-    assert_eq!(one.verdict, two.verdict);
+    let one = specimen(&train, &test);
+    assert_eq!(names(&one).len(), 2);
+    // Another motion, a piece of it, and its end.
+    for held_out in [other, part(&test, 8.0..10.0), part(&test, 19.4..22.0)] {
+        let two = specimen(&train, &held_out);
+        assert_eq!(names(&one), names(&two));
+        assert_eq!(one.verdict, two.verdict);
+        assert_ne!(one.error_after, two.error_after);
+    }
+}
+
+#[test]
+fn held_out_data_that_have_died_down_to_the_noise_take_no_name_back() {
+    let hardening = EffectSpec::new(
+        Effect::Hardening,
+        &[("reference_mm", 30.0), ("exponent", 2.0)],
+    );
+    let hardening = [hardening.in_channel(Channel::Specimen)];
+    let [train, _] = rig::pair(&hardening, 25);
+    for seed in 30..36 {
+        let [_, test] = rig::pair(&hardening, seed);
+        let end = specimen(&train, &part(&test, 20.2..22.0));
+        assert!(end.error_before.test_rms < 1.1 * NOISE_N);
+        assert_eq!(names(&end), [Effect::Hardening]);
+        assert_eq!(end.verdict, Verdict::Effect);
+    }
 }
 
 /// A spring that stiffens by next to nothing, or yields far away, would do nearly as well on every block.

@@ -1,6 +1,7 @@
 //! What the one engine says of a channel, as an answer.
 
 use super::channel::ChannelDiagnosis;
+use super::found::while_moving;
 use crate::advice;
 use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
 use crate::criteria::{
@@ -25,6 +26,13 @@ const PASSES: f64 = 1.3;
 /// What a model leaves of training and held-out records.
 type Left = [Vec<Vec<f64>>; 2];
 
+/// What is left of records, rms, and as a share of what they answer.
+#[derive(Clone, Copy)]
+struct Share {
+    rms: f64,
+    nrmse: f64,
+}
+
 /// A channel's data in the engine, and its records without what the model already has.
 struct ChannelData<'a, A> {
     data: &'a A,
@@ -44,12 +52,12 @@ struct ChannelData<'a, A> {
 
 impl<A: Asked> ChannelData<'_, A> {
     /// Whether what the declared model leaves is so little that no name stands: within the class of a good transducer.
-    fn is_of_its_class(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
-        left.test_nrmse < self.transducer && !(self.told && matches!(said, Said::Names(_)))
+    fn is_of_its_class(&self, said: &Said<A::Fit>, left: Share) -> bool {
+        left.nrmse < self.transducer && !(self.told && matches!(said, Said::Names(_)))
     }
 
     /// The same: what any device of its kind leaves.
-    fn is_of_its_kind(&self, said: &Said<A::Fit>, left: &Errors) -> bool {
+    fn is_of_its_kind(&self, said: &Said<A::Fit>, left: Share) -> bool {
         let to_the_noise = Self::comes_to_the_noise(said);
         let unknown = matches!(said, Said::Unknown(_));
         self.beyond_noise(left) < self.ordinary[0] && !(to_the_noise && self.is_loud(left))
@@ -66,18 +74,18 @@ impl<A: Asked> ChannelData<'_, A> {
     }
 
     /// The share of the output that is left, of what is no noise where a rest tells that.
-    fn beyond_noise(&self, left: &Errors) -> f64 {
+    fn beyond_noise(&self, left: Share) -> f64 {
         let noise = if self.told { self.noise.rms } else { 0.0 };
-        left.test_nrmse * (1.0 - (noise / left.test_rms).powi(2)).max(0.0).sqrt()
+        left.nrmse * (1.0 - (noise / left.rms).powi(2)).max(0.0).sqrt()
     }
 
     /// What is left is as loud as the noise, beside it.
-    fn is_loud(&self, left: &Errors) -> bool {
-        left.test_rms > std::f64::consts::SQRT_2 * self.noise.rms
+    fn is_loud(&self, left: Share) -> bool {
+        left.rms > std::f64::consts::SQRT_2 * self.noise.rms
     }
 
     /// What is left is what any device of its kind leaves.
-    fn is_ordinary(&self, left: &Errors) -> bool {
+    fn is_ordinary(&self, left: Share) -> bool {
         self.beyond_noise(left) < self.ordinary[1]
     }
 
@@ -122,7 +130,7 @@ impl ChannelDiagnosis<'_> {
         let [train, test] = [self.train, self.test].map(without_mains);
         let train = without_known(&self.base, &train)?;
         let test = without_known(&self.base, &test)?;
-        let mut data = SpecimenData::new(&self.base, &train, &test)?;
+        let mut data = SpecimenData::new(&self.base, &train)?;
         let half_rate = 0.5 / self.train[0].interval_s();
         let noise = self.noise(data.cutoff_hz.min(half_rate))?;
         let told = noise.from == NoiseSource::Rest;
@@ -180,6 +188,8 @@ impl ChannelDiagnosis<'_> {
     ) -> Option<ChannelAnswer> {
         let declared = channel.data.settled(&found.declared);
         let before = channel.left(&declared)?;
+        // Names are given by what is left of the training data: the held-out ones judge them.
+        let trained = self.share(&before[0], self.train);
         let mut answer = self.blank(Verdict::None);
         answer.error_before = self.errors_left(&before);
         answer.error_after = answer.error_before;
@@ -190,10 +200,10 @@ impl ChannelDiagnosis<'_> {
             Said::Nothing => {
                 let plain = found.nothing.as_ref();
                 let parts = plain.is_some_and(|f| channel.data.is_of_higher_order(f));
-                answer.ordinary = parts && channel.is_ordinary(&answer.error_before);
+                answer.ordinary = parts && channel.is_ordinary(trained);
             }
-            said if channel.is_of_its_kind(said, &answer.error_before) => answer.ordinary = true,
-            said if channel.is_of_its_class(said, &answer.error_before) => {}
+            said if channel.is_of_its_kind(said, trained) => answer.ordinary = true,
+            said if channel.is_of_its_class(said, trained) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
                 after = self.take_named(&mut answer, channel, &before, named, improved);
@@ -218,7 +228,7 @@ impl ChannelDiagnosis<'_> {
         }
         let structured = !ChannelData::<A>::comes_to_the_noise(&found.said);
         let unknown = answer.verdict == Verdict::Unknown && structured;
-        if unknown && channel.is_ordinary(&answer.error_before) {
+        if unknown && channel.is_ordinary(trained) {
             (answer.verdict, answer.nearest) = (Verdict::None, None);
             answer.ordinary = true;
         }
@@ -238,17 +248,23 @@ impl ChannelDiagnosis<'_> {
         Some(answer)
     }
 
+    /// What is left of records, of which the first samples may have settled the model.
+    fn share(&self, left: &[Vec<f64>], records: &[Recording]) -> Share {
+        let own = records.iter().zip(left);
+        let judged = own.filter_map(|(r, left)| Some(end_of(self.target_of(r)?, left.len())));
+        Share {
+            rms: rms(left),
+            nrmse: nrmse(left, &judged.collect::<Vec<_>>().concat()),
+        }
+    }
+
     /// Errors of what a model leaves of training and held-out records.
     fn errors_left(&self, [train, test]: &Left) -> Errors {
-        let of = |left: &[Vec<f64>], records: &[Recording]| {
-            let own = records.iter().zip(left);
-            let judged = own.filter_map(|(r, left)| Some(end_of(self.target_of(r)?, left.len())));
-            nrmse(left, &judged.collect::<Vec<_>>().concat())
-        };
+        let test = self.share(test, self.test);
         Errors {
-            train_nrmse: of(train, self.train),
-            test_nrmse: of(test, self.test),
-            test_rms: rms(test),
+            train_nrmse: self.share(train, self.train).nrmse,
+            test_nrmse: test.nrmse,
+            test_rms: test.rms,
         }
     }
 
@@ -279,8 +295,9 @@ impl ChannelDiagnosis<'_> {
         // Of what is no noise, where a rest tells that.
         let noise = if channel.told { channel.noise.rms } else { 0.0 };
         let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
-        let little = beyond(errors.test_rms) > most * beyond(answer.error_before.test_rms);
-        if little || gain[0] <= 0.0 && !is_set {
+        let [had, has] = [answer.error_before.test_rms, errors.test_rms].map(beyond);
+        // Data that have died down to the noise speak neither way.
+        if had.max(has) > 0.0 && (has > most * had || gain[0] <= 0.0 && !is_set) {
             answer.verdict = Verdict::Unknown;
             let left = [&before[1][..], &after[1]];
             answer.nearest = Some(self.nearest(names[0].0, channel.data, fit, left, improved));
@@ -313,7 +330,7 @@ impl ChannelDiagnosis<'_> {
             answer.verdict = Verdict::Ambiguous;
         } else {
             let felt = answer.noise_floor_rms;
-            let share = ACCOUNTS * self.while_moving(&before[1]);
+            let share = ACCOUNTS * while_moving(&before[0], self.train);
             let known = if channel.told {
                 BESIDE_NOISE
             } else {
@@ -321,7 +338,7 @@ impl ChannelDiagnosis<'_> {
             };
             let most = share.min(known * felt).max(NOISE * felt);
             let only = candidate.names.len() == names.len();
-            answer.verdict = if self.while_moving(&after[1]) <= most && only {
+            answer.verdict = if while_moving(&after[0], self.train) <= most && only {
                 Verdict::Effect
             } else {
                 Verdict::Partial

@@ -61,16 +61,6 @@ impl ChannelDiagnosis<'_> {
         answer
     }
 
-    /// What is left of the held-out data while they move, rms: in a rest friction holds any force.
-    pub(super) fn while_moving(&self, left: &[Vec<f64>]) -> f64 {
-        let moving = |(r, left): (&Recording, &Vec<f64>)| {
-            let skipped = r.time_s.len() - left.len();
-            let part = rest::moving(r);
-            left[part.start.saturating_sub(skipped)..part.end.saturating_sub(skipped)].to_vec()
-        };
-        rms(&self.test.iter().zip(left).map(moving).collect::<Vec<_>>())
-    }
-
     /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
     pub(super) fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
         let step = self.output_step();
@@ -107,4 +97,14 @@ impl ChannelDiagnosis<'_> {
         let seen = [&s.time_s, input, &segment.target].map(|x| segment.seen(x));
         Traces::of(seen, [&left[0]; 2])
     }
+}
+
+/// What is left of records while they move, rms: in a rest friction holds any force.
+pub(super) fn while_moving(left: &[Vec<f64>], records: &[Recording]) -> f64 {
+    let moving = |(r, left): (&Recording, &Vec<f64>)| {
+        let skipped = r.time_s.len() - left.len();
+        let part = rest::moving(r);
+        left[part.start.saturating_sub(skipped)..part.end.saturating_sub(skipped)].to_vec()
+    };
+    rms(&records.iter().zip(left).map(moving).collect::<Vec<_>>())
 }

@@ -47,7 +47,7 @@ fn specimen_each(
 ) -> Option<Vec<OfOneName>> {
     let base = Base::of(model, Channel::Specimen)?;
     let bare = without_known(&base, train)?;
-    let mut data = SpecimenData::new(&base, &bare, &bare)?;
+    let mut data = SpecimenData::new(&base, &bare)?;
     data.score.noise = NOTHING * dot(data.target(), data.target()) / data.target().len() as f64;
     let (atoms, found) = data.searched_by(|s: &Search| s.alone());
     let mut starts: Vec<(Effect, Term)> = Vec::new();

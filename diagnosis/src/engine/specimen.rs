@@ -1,6 +1,5 @@
 //! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
 
-use super::beam::Scored;
 use super::bounded::Equations;
 use super::cutoff;
 use super::gram::{Grams, Tie};
@@ -8,7 +7,7 @@ use super::law::table;
 use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
 use super::score::{Evidence, Score, edges};
-use super::search::{Atom, DECLARED, Search};
+use super::search::{Atom, DECLARED, Scored, Search};
 use crate::base::Base;
 use crate::input;
 use crate::linear::{Bound, dot};
@@ -85,12 +84,11 @@ pub struct SpecimenData<'a> {
 
 impl<'a> SpecimenData<'a> {
     /// Of records without what the model already has; `None` where a signal is missing or the equations have no solution.
-    pub fn new(base: &'a Base, train: &[Recording], test: &[Recording]) -> Option<Self> {
+    pub fn new(base: &'a Base, train: &[Recording]) -> Option<Self> {
         let rests = train.iter().all(|r| !rest::spans(r).is_empty());
         let moving: Vec<Recording> = train.iter().map(rest::without).collect();
         let sources = spans(&moving)?;
-        // Of the held-out records the motion's band alone, which the columns have to pass.
-        let cutoff_hz = cutoff::choose(base, &sources, &spans(test)?)?;
+        let cutoff_hz = cutoff::choose(base, &sources)?;
         let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
         let every = thinning(&tracks, cutoff_hz);
         let scales = MotionScales::of(&tracks);
@@ -295,7 +293,8 @@ impl<'a> SpecimenData<'a> {
 
     /// What a model answers to a record, N; `None` where a signal is missing.
     pub fn answer(&self, fit: &SpecimenModelFit, record: &Recording) -> Option<Vec<f64>> {
-        let track = UnfilteredSpan::new(record)?.track(self.cutoff_hz);
+        let span = UnfilteredSpan::new(record)?;
+        let track = span.track(cutoff::at_least(self.cutoff_hz, &span));
         let motion = Motion::new(track, self.base);
         let on = fit.specimen();
         let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes, &on);
