@@ -7,9 +7,9 @@
 use super::fit::Estimate;
 use crate::criteria::coordinates::{ENTRY, ROUNDING};
 use crate::declared::Declared;
-use crate::engine::beam::{Beam, Scored};
+use crate::engine::beam::{Beam, Scored, Width};
 use crate::engine::posterior::{Candidate, Name, Posterior};
-use crate::engine::score::{BLOCKS, Evidence};
+use crate::engine::score::Evidence;
 use crate::engine::verdict::{NOTHING, RIVALS, Said, verdict};
 use nalgebra::{DMatrix, DVector};
 use plant::Family;
@@ -134,15 +134,17 @@ pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
     };
     let scored = |atoms: Vec<usize>| Scored {
         evidence: evidence(&atoms),
-        left: [0.0; BLOCKS],
+        fit: (),
         atoms,
     };
     let beam = Beam {
         laws: (0..declared.len()).collect(),
         most: declared.len(),
-        scored: Box::new(|set| Some(scored(set))),
+        width: Width::WIDE,
+        beside: None,
+        scored: Box::new(|set, _, ()| Some(scored(set))),
     };
-    let candidate = |s: Scored| Candidate {
+    let candidate = |s: Scored<()>| Candidate {
         names: s.atoms.into_iter().map(Entry).collect(),
         nameless: false,
         evidence: s.evidence,

@@ -1,6 +1,6 @@
 //! A signal path fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
 
-use super::part::{ActuatorScales, Part, PartKind};
+use super::part::{ActuatorScales, Part};
 use super::signal_path::{Run, SignalPath};
 use crate::base::Base;
 use crate::criteria::REACH;
@@ -74,16 +74,6 @@ impl PartSet {
             }
         }
         all
-    }
-
-    /// Whether it is the same but for its shapes.
-    pub fn is_like(&self, other: &Self) -> bool {
-        let kinds = |s: &Self| {
-            let mut kinds: Vec<PartKind> = s.parts.iter().map(|p| p.kind).collect();
-            kinds.sort_by_key(|k| *k as u8);
-            kinds
-        };
-        self.moved == other.moved && kinds(self) == kinds(other)
     }
 }
 

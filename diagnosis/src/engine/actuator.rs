@@ -1,7 +1,8 @@
 //! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
-//! their tolerances; single ones, then one more, another, or one less.
+//! their tolerances.
 
 use super::asked::{Asked, Found, OfOneName};
+use super::beam::{Beam, Scored, Width};
 use super::posterior::Candidate;
 use super::score::{BLOCKS, Evidence, KnownNoise, Score, raised};
 use super::verdict::LACKS;
@@ -18,14 +19,16 @@ use crate::signals::rms;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
-/// Models that are carried on.
-const LEADING: usize = 4;
-/// Parts that are tried beside each of them.
+/// How far the search goes: each model is simulated some dozen times.
+const WIDTH: Width = Width {
+    carried: [4, 4, 4],
+    while_better: 3,
+    swapped: 2,
+};
+/// Parts that are tried beside each model that has any.
 const BESIDE: usize = 4;
 /// Parts and parameters of a model at most.
 const LARGEST: usize = 4;
-/// Another round must bring so much, nats.
-const WORTH_A_ROUND: f64 = 0.5;
 /// Models that are judged on every sample, and none that is so far below the best, nats.
 const JUDGED: usize = 12;
 const FAR_BELOW: f64 = 14.0;
@@ -114,7 +117,9 @@ pub fn actuator(
     samples: KnownNoise,
 ) -> Option<Found<ActuatorModelFit>> {
     let mut search = Search::new(&channel.thin, &channel.kinds, averages.variance);
-    let mut all = search.run()?;
+    let (empty, beam) = search.beam()?;
+    let mut all: Vec<ActuatorModelFit> = beam.run(empty).into_iter().map(|s| s.fit).collect();
+    drop(beam);
     if !averages.told {
         let quietest = all.iter().map(|f| f.evidence.quiet());
         let raised = raised(quietest.fold(f64::INFINITY, f64::min));
@@ -171,8 +176,8 @@ pub fn actuator_each(
     let bare = drivetrain::without_known(&base, train)?;
     let channel = ActuatorChannel::new(&base, &bare)?;
     let search = Search::new(&channel.thin, &channel.kinds, f64::MIN_POSITIVE);
-    let (_, mut found) = search.alone(&mut Vec::new())?;
-    found.retain(|f| f.fit.model.size() == 1);
+    let (empty, beam) = search.beam()?;
+    let mut found: Vec<ActuatorModelFit> = beam.alone(&empty).into_iter().map(|s| s.fit).collect();
     found.sort_by(|a, b| a.fit.cost.total_cmp(&b.fit.cost));
     let mut all: Vec<OfOneName> = Vec::new();
     for fit in found {
@@ -187,6 +192,18 @@ pub fn actuator_each(
         }
     }
     Some(all)
+}
+
+/// A model of the search.
+type OfAtoms = Scored<ActuatorModelFit>;
+
+/// A model of these atoms.
+fn atoms(atoms: Vec<usize>, fit: ActuatorModelFit) -> OfAtoms {
+    Scored {
+        atoms,
+        evidence: fit.evidence,
+        fit,
+    }
 }
 
 fn sort(all: &mut [ActuatorModelFit]) {
@@ -258,96 +275,50 @@ impl<'a, 'b> Search<'a, 'b> {
         f.evidence = self.score.evidence(&f.squares, f.evidence.price);
     }
 
-    /// The declared model, and it with each choice of parameters that leave their tolerances or with each part.
-    fn alone(&self, seen: &mut Vec<PartSet>) -> Option<(ActuatorModelFit, Vec<ActuatorModelFit>)> {
+    /// The declared model, and the search: an atom is a declared parameter or a kind of part.
+    fn beam(&self) -> Option<(OfAtoms, Beam<'_, ActuatorModelFit, Option<Part>>)> {
         let declared = self.scored(&PartSet::held(), self.data.declared_values())?;
-        let bare = (1..1 << DECLARED).map(|bits: usize| PartSet {
-            parts: Vec::new(),
-            moved: std::array::from_fn(|i| bits >> i & 1 == 1),
-        });
-        let of = |part: &Part| PartSet {
-            parts: vec![*part],
-            moved: [false; DECLARED],
+        let beam = Beam {
+            laws: (0..DECLARED + self.kinds.len()).collect(),
+            most: LARGEST,
+            width: WIDTH,
+            beside: Some(Box::new(|s| self.beside(&s.fit))),
+            scored: Box::new(|set, from, part| {
+                let model = self.model(&set, &from.fit.fit.model, part);
+                Some(atoms(set, self.scored(&model, from.fit.fit.declared)?))
+            }),
         };
-        let alone = self.screened(&declared);
-        let alone = alone.iter().map(of);
-        let first = bare.chain(alone).map(|m| (m, declared.fit.declared));
-        let all = self.new_ones(seen, first.collect());
-        Some((declared, all))
+        Some((atoms(Vec::new(), declared), beam))
     }
 
-    /// Every model that was tried.
-    fn run(&self) -> Option<Vec<ActuatorModelFit>> {
-        let mut seen: Vec<PartSet> = Vec::new();
-        let (declared, mut all) = self.alone(&mut seen)?;
-        all.push(declared);
-        // Neighbours of these are among the models.
-        let mut carried_on: Vec<PartSet> = Vec::new();
-        loop {
-            sort(&mut all);
-            let best = all[0].evidence.score();
-            let leading = all.iter().take(LEADING).filter(|f| {
-                let new = !carried_on.contains(&f.fit.model);
-                carried_on.push(f.fit.model.clone());
-                new
-            });
-            let next = leading.flat_map(|f| self.neighbours(f));
-            let more = self.new_ones(&mut seen, next.collect());
-            all.extend(more);
-            sort(&mut all);
-            if all[0].evidence.score() < best + WORTH_A_ROUND {
-                return Some(all);
-            }
+    /// A set of atoms as a model: parts as they are in another, and one of its own.
+    fn model(&self, set: &[usize], from: &PartSet, own: Option<Part>) -> PartSet {
+        let place = |p: &Part| self.kinds.iter().position(|k| *k == p.kind);
+        let parts = from.parts.iter().copied().chain(own);
+        PartSet {
+            parts: parts
+                .filter(|p| place(p).is_some_and(|k| set.contains(&(DECLARED + k))))
+                .collect(),
+            moved: std::array::from_fn(|i| set.contains(&i)),
         }
     }
 
-    /// A model with one more, another, or one less.
-    fn neighbours(&self, of: &ActuatorModelFit) -> Vec<(PartSet, [f64; DECLARED])> {
-        let model = &of.fit.model;
-        let mut all = Vec::new();
-        if model.size() < LARGEST {
-            // Of those that can stand in for each other the first.
-            let mut best: Vec<Part> = Vec::new();
-            for part in self.screened(of) {
-                if !best.iter().any(|b| b.kind.is_like(part.kind)) {
-                    best.push(part);
-                }
-            }
-            all.extend(best.iter().take(BESIDE).map(|part| {
-                let mut with = model.clone();
-                with.parts.push(*part);
-                with
-            }));
-        }
-        for i in 0..DECLARED {
-            let mut toggled = model.clone();
-            toggled.moved[i] = !toggled.moved[i];
-            all.extend((toggled.size() <= LARGEST).then_some(toggled));
-        }
-        for i in 0..model.parts.len() {
-            let mut fewer = model.clone();
-            fewer.parts.remove(i);
-            all.push(fewer);
-        }
-        all.into_iter().map(|m| (m, of.fit.declared)).collect()
-    }
-
-    /// Those of some models that are new, at their best.
-    fn new_ones(
-        &self,
-        seen: &mut Vec<PartSet>,
-        models: Vec<(PartSet, [f64; DECLARED])>,
-    ) -> Vec<ActuatorModelFit> {
-        let mut new = Vec::new();
-        for (model, start) in models {
-            if !seen.iter().any(|s| s.is_like(&model)) {
-                seen.push(model.clone());
-                new.push((model, start));
+    /// What may stand beside a model: a declared parameter, or a part; of those that can stand in for each other the first, unless
+    /// it stands alone.
+    fn beside(&self, of: &ActuatorModelFit) -> Vec<(usize, Option<Part>)> {
+        let alone = of.fit.model.size() == 0;
+        let mut best: Vec<Part> = Vec::new();
+        for part in self.screened(of) {
+            if alone || !best.iter().any(|b| b.kind.is_like(part.kind)) {
+                best.push(part);
             }
         }
-        let fits = new.into_par_iter();
-        fits.filter_map(|(model, start)| self.scored(&model, start))
-            .collect()
+        best.truncate(if alone { usize::MAX } else { BESIDE });
+        let place = |p: &Part| self.kinds.iter().position(|k| *k == p.kind);
+        let parts = best
+            .iter()
+            .filter_map(|p| Some((DECLARED + place(p)?, Some(*p))));
+        (0..DECLARED).map(|i| (i, None)).chain(parts).collect()
     }
 
     /// Parts that a fit does not have, each at the best of its grid to first order, those that take most first.

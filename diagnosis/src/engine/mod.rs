@@ -115,10 +115,10 @@ fn nameless(
 fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
-    found: &[beam::Scored],
+    found: &[search::Scored],
 ) -> Option<Vec<SpecimenModelFit>> {
     let best = found.first()?.evidence.score();
-    let near = |s: &&beam::Scored| s.evidence.score() > best - FAR_BELOW;
+    let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
     let term = |&a: &usize| Term::of(&atoms[a]);
     let mut starts: Vec<Vec<Term>> = found
         .iter()

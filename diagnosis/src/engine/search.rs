@@ -1,6 +1,6 @@
 //! Sets of laws by the products of their columns, for the [`Beam`].
 
-use super::beam::{Beam, Scored};
+use super::beam::{self, Beam, Width};
 use super::gram::{Grams, Tie};
 use super::score::{BLOCKS, Score};
 use crate::linear::Bound;
@@ -10,6 +10,9 @@ use plant::Family;
 pub use crate::specimen::DECLARED;
 /// Terms at most in one model.
 pub const MOST_TERMS: usize = 4;
+
+/// A set of laws, and what it leaves on each block, fitted to all.
+pub type Scored = beam::Scored<[f64; BLOCKS]>;
 
 /// A law at one shape, with its columns.
 #[derive(Clone, Debug)]
@@ -81,28 +84,31 @@ impl Search<'_> {
         let price = own().map(|a| a.price).sum::<f64>() + price_of_many(&families);
         Some(Scored {
             evidence: self.score.evidence(&fitted.left_out, price),
-            left: fitted.left,
+            fit: fitted.left,
             atoms,
         })
     }
 
     /// The search, and what the declared model is; `None` where that has no fit.
-    fn beam(&self) -> Option<(Scored, Beam<'_>)> {
+    fn beam(&self) -> Option<(Scored, Beam<'_, [f64; BLOCKS]>)> {
         let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
         let empty = self.scored(Vec::new(), &even)?;
         // What the fits begin with.
-        let first = self.score.weights(&empty.left);
+        let first = self.score.weights(&empty.fit);
         let beam = Beam {
             laws: self.atoms.iter().map(|a| a.row).collect(),
             most: MOST_TERMS,
-            scored: Box::new(move |set| self.scored(set, &first)),
+            width: Width::WIDE,
+            beside: None,
+            scored: Box::new(move |set, _, ()| self.scored(set, &first)),
         };
         Some((empty, beam))
     }
 
     /// Models of one term, one for each law; best first.
     pub fn alone(&self) -> Vec<Scored> {
-        self.beam().map_or_else(Vec::new, |(_, beam)| beam.alone())
+        self.beam()
+            .map_or_else(Vec::new, |(empty, beam)| beam.alone(&empty))
     }
 
     /// Runs; best first, the empty model among them.
