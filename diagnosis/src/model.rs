@@ -1,12 +1,20 @@
 //! What the laboratory declares: each parameter with its standard tolerance.
 
-use crate::answer::Correction;
-use crate::coupled::specimen::CoupledSpecimen;
-pub use crate::declared::Declared;
-use crate::declared::LARGEST_TOLERANCE;
-use crate::library;
-use crate::refusal::Refusal;
-use crate::saved_element::SavedElement;
+pub mod answer;
+pub mod base;
+pub mod channel;
+pub mod coordinates;
+pub mod declared;
+pub mod interval;
+pub mod saved_element;
+
+use crate::laws::library;
+use crate::model::answer::Correction;
+use crate::model::coordinates::CoupledSpecimen;
+pub use crate::model::declared::Declared;
+use crate::model::declared::LARGEST_TOLERANCE;
+use crate::model::saved_element::SavedElement;
+use crate::record::refusal::Refusal;
 use plant::{Channel, ChannelParameter, Effect, EffectSpec};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

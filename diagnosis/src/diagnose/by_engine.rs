@@ -2,22 +2,22 @@
 
 use super::channel::ChannelDiagnosis;
 use super::found::while_moving;
-use crate::advice;
-use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
 use crate::criteria::{
     ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
 };
-use crate::drivetrain::without_known as without_known_motion;
+use crate::engine::drivetrain::without_known as without_known_motion;
 use crate::engine::{
     self, ActuatorChannel, Asked, Candidate, Found, KnownNoise, Named, Said, SpecimenData,
 };
-use crate::interval;
 use crate::model::Model;
-use crate::noise::hum::without_hum;
-use crate::noise::{Noise, NoiseSource};
-use crate::recording::Recording;
-use crate::signals::{end_of, nrmse, rms};
-use crate::specimen::without_known;
+use crate::model::answer::{ChannelAnswer, Errors, FoundEffect, Member, Nearest, Traces, Verdict};
+use crate::model::interval;
+use crate::numbers::signals::{end_of, nrmse, rms};
+use crate::prepare::advice;
+use crate::prepare::known::without_known;
+use crate::prepare::noise::hum::without_hum;
+use crate::prepare::noise::{Noise, NoiseSource};
+use crate::record::recording::Recording;
 use plant::Effect;
 
 /// The low-pass of a displacement is nothing from so many times its cut-off on.

@@ -1,7 +1,7 @@
 //! One channel and the records that it is judged by.
 
-use crate::base::Base;
-use crate::recording::Recording;
+use crate::model::base::Base;
+use crate::record::recording::Recording;
 use plant::Channel;
 
 /// One channel and its data.

@@ -1,17 +1,17 @@
 //! What is left at corners of the motion alone: there damping and mass feel what the displacement does not show.
 
 use super::channel::ChannelDiagnosis;
-use crate::advice::four;
-use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::specimen::{CORNER, MOST_CORNERS};
 use crate::criteria::{BAND_ROOM, NOISE};
-use crate::linear::{Normal, dot, solve};
-use crate::noise::hum::without_hum;
-use crate::recording::Recording;
-use crate::rest;
-use crate::signals::{add_columns, rms};
-use crate::specimen::without_known;
-use crate::spectrum::{Motion, motion_band_hz, smooth};
+use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::numbers::linear::{Normal, dot, solve};
+use crate::numbers::signals::{add_columns, rms};
+use crate::prepare::advice::four;
+use crate::prepare::known::without_known;
+use crate::prepare::noise::hum::without_hum;
+use crate::record::recording::Recording;
+use crate::record::rest;
+use crate::record::spectrum::{Motion, motion_band_hz, smooth};
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
 

@@ -1,12 +1,13 @@
 //! Errors of the declared model, and what is said where the converter's steps are all that it leaves.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::*;
-use crate::noise::Noise;
-use crate::problem::Problem;
-use crate::recording::Recording;
-use crate::signals::{nrmse, rms};
-use crate::{advice, converter_step, rest};
+use crate::model::answer::*;
+use crate::numbers::signals::{nrmse, rms};
+use crate::prepare::advice;
+use crate::prepare::noise::Noise;
+use crate::prepare::problem::Problem;
+use crate::record::recording::Recording;
+use crate::record::{converter_step, rest};
 use plant::{Channel, Effect};
 
 /// The held-out data as a problem, and what an answer leaves of them.

@@ -1,9 +1,9 @@
 //! Held-out data that leave more than the training data.
 
 use super::channel::ChannelDiagnosis;
-use crate::advice::four;
-use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, TRANSDUCER};
+use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::prepare::advice::four;
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {

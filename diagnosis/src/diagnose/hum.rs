@@ -2,13 +2,13 @@
 
 use super::by_engine::without_mains;
 use super::channel::ChannelDiagnosis;
-use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
 use crate::criteria::FALSE_LINES;
 use crate::criteria::LINES;
-use crate::interval;
 use crate::model::Model;
-use crate::noise::hum::lines_at_rest;
-use crate::signals::{difference, rms};
+use crate::model::answer::{ChannelAnswer, FoundEffect, Verdict};
+use crate::model::interval;
+use crate::numbers::signals::{difference, rms};
+use crate::prepare::noise::hum::lines_at_rest;
 use plant::{Channel, Effect};
 
 impl ChannelDiagnosis<'_> {

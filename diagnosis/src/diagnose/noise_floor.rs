@@ -1,16 +1,19 @@
 //! The noise floor of a channel: what tells it, and what its converters' steps make of it.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::LOUD_REST;
 use crate::criteria::actuator::BY_CHANCE;
 use crate::criteria::{IN_STEPS, WITHIN};
-use crate::noise::hum::without_hum;
-use crate::noise::{self, Noise, NoiseSource};
-use crate::problem::Problem;
-use crate::recording::{Recording, range};
-use crate::signals::{end_of, rms};
-use crate::{converter_step, hunting, remainder, rest, spectrum};
+use crate::diagnose::remainder;
+use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::numbers::signals::{end_of, rms};
+use crate::prepare::hunting;
+use crate::prepare::noise;
+use crate::prepare::noise::hum::without_hum;
+use crate::prepare::noise::{Noise, NoiseSource};
+use crate::prepare::problem::Problem;
+use crate::record::recording::{Recording, range};
+use crate::record::{converter_step, rest, spectrum};
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {

@@ -1,10 +1,11 @@
 //! What stands against a verdict: signals that are missing, stand still, or stand at their rails.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::ChannelAnswer;
-use crate::recording::{Recording, range};
-use crate::signals::mean;
-use crate::{converter_step, plausible};
+use crate::model::answer::ChannelAnswer;
+use crate::numbers::signals::mean;
+use crate::prepare::plausible;
+use crate::record::converter_step;
+use crate::record::recording::{Recording, range};
 use plant::{Channel, Effect};
 use std::ops::Range;
 

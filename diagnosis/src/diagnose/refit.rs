@@ -2,14 +2,15 @@
 //! probable each name is.
 
 use super::channel::ChannelDiagnosis;
-use crate::advice::four;
-use crate::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
 use crate::criteria::{LEAST_SURE, REACH};
-use crate::interval::{self, NINETY};
 use crate::model::Model;
-use crate::problem::Problem;
-use crate::saved_element::SavedElement;
-use crate::signals::{end_of, nrmse, rms};
+use crate::model::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
+use crate::model::interval;
+use crate::model::interval::NINETY;
+use crate::model::saved_element::SavedElement;
+use crate::numbers::signals::{end_of, nrmse, rms};
+use crate::prepare::advice::four;
+use crate::prepare::problem::Problem;
 use plant::{Channel, EffectSpec};
 
 /// A refit that leaves more of the held-out data than the declared values by this share is not saved.

@@ -1,15 +1,15 @@
 //! What the rest of a channel depends on.
 
 use super::channel::ChannelDiagnosis;
-use crate::advice::four;
-use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
-use crate::coherence::linear_share;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
-use crate::expected_error::next_error;
-use crate::recording::{Recording, range};
-use crate::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
-use crate::rest;
-use crate::signals::{difference, mean, rms};
+use crate::diagnose::expected_error::next_error;
+use crate::diagnose::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
+use crate::model::answer::{ChannelAnswer, Errors, Line, Verdict};
+use crate::numbers::coherence::linear_share;
+use crate::numbers::signals::{difference, mean, rms};
+use crate::prepare::advice::four;
+use crate::record::recording::{Recording, range};
+use crate::record::rest;
 use plant::{Channel, Effect, Family};
 
 /// Where the mains' line may be, Hz: an effect by itself.

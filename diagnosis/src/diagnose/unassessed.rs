@@ -1,10 +1,10 @@
 //! Channels of which nothing is said.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::{ChannelAnswer, Errors, Verdict};
-use crate::fit::settle;
-use crate::noise::Noise;
-use crate::problem::Problem;
+use crate::model::answer::{ChannelAnswer, Errors, Verdict};
+use crate::prepare::fit::settle;
+use crate::prepare::noise::Noise;
+use crate::prepare::problem::Problem;
 
 impl ChannelDiagnosis<'_> {
     /// An answer without figures, and the reason.

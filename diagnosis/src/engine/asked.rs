@@ -2,9 +2,9 @@
 
 use super::posterior::{Candidate, Posterior};
 use super::verdict;
-use crate::answer::ParameterEstimate;
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::model::answer::ParameterEstimate;
+use crate::record::recording::Recording;
 use plant::Effect;
 
 /// A channel's training data with the fits of models to them.

@@ -1,7 +1,7 @@
 //! Least squares within bounds by an active set, on normal equations of a handful of unknowns: small and quick, since a search asks
 //! for it a hundred thousand times.
 
-use crate::linear::dot;
+use crate::numbers::linear::dot;
 use std::ops::Range;
 
 /// Ridge, relative to each unknown's own square: columns that are one and the same share their strength.

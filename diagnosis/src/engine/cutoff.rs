@@ -2,11 +2,11 @@
 
 use super::bounded::Equations;
 use super::search::DECLARED;
-use crate::base::Base;
 use crate::criteria::{BAND_ROOM, BLOCKS, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
-use crate::linear::Bound;
-use crate::specimen::element::{Element, Law};
-use crate::specimen::track::{MotionScales, Track, UnfilteredSpan};
+use crate::laws::specimen::element::{Element, Law};
+use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan};
+use crate::model::base::Base;
+use crate::numbers::linear::Bound;
 use rayon::prelude::*;
 
 /// What a cut-off leaves, cross-validated.

@@ -6,8 +6,8 @@ use super::gram::judged;
 use super::motion::Motion;
 use super::score::{BLOCKS, Evidence};
 use super::specimen::{SpecimenData, SpecimenModelFit};
-use crate::library::operators::{relaxed, slider, travel};
-use crate::specimen::track::Track;
+use crate::laws::specimen::track::Track;
+use crate::numbers::operators::{relaxed, slider, travel};
 
 /// What it costs beside a model, nats: it beats a name of the usual 3 where it leaves half of what that leaves.
 const PRICE: f64 = 9.5;
@@ -66,7 +66,7 @@ impl SpecimenData<'_> {
         let mut bounds = self.bounds(&fit.terms);
         let own = columns.len();
         columns.extend(free.iter().cloned());
-        bounds.resize(columns.len(), crate::linear::Bound::FREE);
+        bounds.resize(columns.len(), crate::numbers::linear::Bound::FREE);
         let mut parts: Vec<Equations> = self.parts(&columns, &self.target);
         parts.iter_mut().for_each(|p| p.soft = own);
         let low: Vec<f64> = bounds.iter().map(|b| b.low).collect();

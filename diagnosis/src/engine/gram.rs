@@ -3,7 +3,7 @@
 
 use super::bounded::Equations;
 use super::score::{BLOCKS, Score};
-use crate::linear::{Bound, dot};
+use crate::numbers::linear::{Bound, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 

@@ -14,17 +14,18 @@
 //! asked      what an answer needs of a channel                    one_each   one model a name, for the next test
 //! ```
 //!
-//! What it expects of what surrounds it: records that were checked and resampled (`recording`, `plausible`), without what the model
-//! already has (`specimen::without_known`); a noise that is the transducer's and the declared model's on it, no disturbance
-//! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
+//! What it expects of what surrounds it: records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the model
+//! already has (`prepare/known.rs`); a noise that is the transducer's and the declared model's on it, no disturbance
+//! (`prepare/noise.rs`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
 //! a [`SpecimenModelFit`] and its residuals. What is wrong in the matrices of several coordinates is found by the same search, posterior
-//! and verdict (`coupled/select`): there a name is an entry.
+//! and verdict (`diagnose/coupled/select.rs`): there a name is an entry.
 
 mod actuator;
 mod asked;
 pub mod beam;
 mod bounded;
 mod cutoff;
+pub mod drivetrain;
 mod exact;
 mod figures;
 mod free;
@@ -35,6 +36,7 @@ mod one_each;
 mod polish;
 pub mod posterior;
 mod row;
+mod save;
 pub mod score;
 mod search;
 mod settle;

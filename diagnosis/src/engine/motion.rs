@@ -1,12 +1,12 @@
 //! A specimen's record as the laws see it: a motion without its noise, and the columns of a law over it.
 
 use super::row::{Form, Row, Sizes};
-use crate::base::Base;
-use crate::noise::hum::MAINS_HZ;
-use crate::signals::{Scales, Signals, Transfer, add_columns, delayed, difference, peak};
-use crate::specimen::element::Element;
-use crate::specimen::track::{MotionScales, Track};
-use crate::spectrum;
+use crate::laws::specimen::element::Element;
+use crate::laws::specimen::track::{MotionScales, Track};
+use crate::model::base::Base;
+use crate::numbers::signals::{Scales, Signals, Transfer, add_columns, delayed, difference, peak};
+use crate::prepare::noise::hum::MAINS_HZ;
+use crate::record::spectrum;
 
 /// A record's motion.
 #[derive(Debug)]

@@ -4,12 +4,12 @@ use super::actuator::actuator_each;
 use super::asked::{Asked, OfOneName};
 use super::search::Search;
 use super::specimen::{SpecimenData, SpecimenModelFit, Term};
-use crate::base::Base;
-use crate::linear::dot;
 use crate::model::Model;
-use crate::recording::Recording;
-use crate::signals::rms;
-use crate::specimen::without_known;
+use crate::model::base::Base;
+use crate::numbers::linear::dot;
+use crate::numbers::signals::rms;
+use crate::prepare::known::without_known;
+use crate::record::recording::Recording;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 

@@ -6,8 +6,8 @@ use super::row::{Form, unit};
 use super::score::{BLOCKS, NU};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
-use crate::linear::Bound;
-use crate::signals::{add_columns, difference};
+use crate::numbers::linear::Bound;
+use crate::numbers::signals::{add_columns, difference};
 use plant::Effect;
 
 /// Rounds of polishing.
@@ -165,7 +165,7 @@ impl SpecimenData<'_> {
         let interval_s = self.sizes.motion.interval_s * self.every as f64;
         columns
             .iter()
-            .map(|c| crate::signals::delayed(c, late_s, interval_s))
+            .map(|c| crate::numbers::signals::delayed(c, late_s, interval_s))
             .collect()
     }
 

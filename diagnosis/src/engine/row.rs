@@ -1,12 +1,12 @@
 //! A law of the table: what it is computed by, over which shapes it is looked for, and what it costs.
 
 use crate::criteria::MAY_BE_FRICTION;
-use crate::library::candidate::Shape;
-use crate::library::{CANDIDATES, Candidate};
-use crate::linear::Bound;
-use crate::signals::Scales;
-use crate::specimen::element::{Element, Law};
-use crate::specimen::track::MotionScales;
+use crate::laws::library::candidate::Shape;
+use crate::laws::library::{CANDIDATES, Candidate};
+use crate::laws::specimen::element::{Element, Law};
+use crate::laws::specimen::track::MotionScales;
+use crate::numbers::linear::Bound;
+use crate::numbers::signals::Scales;
 use plant::{Channel, Effect, Family};
 
 /// What a law is computed by.
@@ -207,7 +207,7 @@ impl Row {
                 let own = Element { law, shape };
                 let all = own.movable().iter();
                 all.map(|&(i, scale)| {
-                    let log = scale == crate::specimen::Scale::Log;
+                    let log = scale == crate::laws::specimen::Scale::Log;
                     (i, log, [f64::NEG_INFINITY, f64::INFINITY])
                 })
                 .collect()

@@ -3,11 +3,11 @@
 use super::beam::{self, Beam, Width};
 use super::gram::{Grams, Tie};
 use super::score::{BLOCKS, Score};
-use crate::linear::Bound;
+use crate::numbers::linear::Bound;
 use plant::Family;
 
 /// Declared parameters of a channel.
-pub use crate::specimen::DECLARED;
+pub use crate::laws::specimen::DECLARED;
 /// Terms at most in one model.
 pub const MOST_TERMS: usize = 4;
 

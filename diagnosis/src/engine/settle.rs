@@ -6,7 +6,7 @@ use super::bounded::Equations;
 use super::score::{BLOCKS, EPS, LEAVES_NOISE, NU};
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::{Freedom, Unknown};
-use crate::signals::difference;
+use crate::numbers::signals::difference;
 
 /// Another step is not worth it that takes less than this of one sample's noise, in squares.
 const LAST_OF_IT: f64 = 1e-2;

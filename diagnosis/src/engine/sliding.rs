@@ -9,7 +9,7 @@
 use super::row::Form;
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::{Freedom, Unknown};
-use crate::specimen::element::Element;
+use crate::laws::specimen::element::Element;
 use plant::Effect;
 
 /// The shortest travel after a reversal that is left out, in yield displacements: a slider that is turned round slides after two.

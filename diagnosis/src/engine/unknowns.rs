@@ -4,8 +4,8 @@ use super::row::unit;
 use super::score::LEAVES_NOISE;
 use super::search::DECLARED;
 use super::specimen::{SpecimenData, SpecimenModelFit};
-use crate::linear::{Bound, dot};
-use crate::signals::difference_quotient;
+use crate::numbers::linear::{Bound, dot};
+use crate::numbers::signals::difference_quotient;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 

@@ -1,9 +1,9 @@
 //! What is still possible after a diagnosis, each as a whole model.
 
-use crate::answer::{ChannelAnswer, Verdict};
 use crate::engine;
 use crate::model::Model;
-use crate::recording::Recording;
+use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::record::recording::Recording;
 use plant::{Effect, Family};
 
 /// A model that is still possible.

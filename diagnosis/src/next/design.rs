@@ -4,11 +4,11 @@
 use super::causes::Cause;
 use super::numbers::{ModelNumber, numbers, slopes};
 use super::predict::{Planned, answer};
-use crate::linear::{dot, gram};
 use crate::model::Model;
-use crate::recording::Recording;
-use crate::signals::difference;
-use crate::spectrum;
+use crate::numbers::linear::{dot, gram};
+use crate::numbers::signals::difference;
+use crate::record::recording::Recording;
+use crate::record::spectrum;
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
 

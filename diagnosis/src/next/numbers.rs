@@ -3,7 +3,7 @@
 use super::predict::{Planned, answer};
 use crate::criteria::REACH;
 use crate::model::Model;
-use crate::signals::difference_quotient;
+use crate::numbers::signals::difference_quotient;
 use plant::Channel;
 
 /// A number of a model.
@@ -115,7 +115,7 @@ fn moved(model: &Model, channel: Channel, number: &ModelNumber, by: f64) -> Mode
     model
 }
 
-fn element(model: &mut Model, i: usize) -> Option<&mut crate::saved_element::SavedElement> {
+fn element(model: &mut Model, i: usize) -> Option<&mut crate::model::saved_element::SavedElement> {
     model.specimen.as_mut()?.elements.get_mut(i)
 }
 

@@ -1,9 +1,9 @@
 //! What a model answers to a planned motion.
 
-use crate::base::Base;
 use crate::model::Model;
-use crate::problem::Problem;
-use crate::recording::Recording;
+use crate::model::base::Base;
+use crate::prepare::problem::Problem;
+use crate::record::recording::Recording;
 use plant::Channel;
 
 /// A motion that is planned, or that was.

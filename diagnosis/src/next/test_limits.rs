@@ -1,9 +1,9 @@
 //! What the next test may use of the rig.
 
 use crate::model::Model;
-use crate::recording::Recording;
-use crate::refusal::Refusal;
-use crate::spectrum;
+use crate::record::recording::Recording;
+use crate::record::refusal::Refusal;
+use crate::record::spectrum;
 use schemars::JsonSchema;
 use serde::Serialize;
 

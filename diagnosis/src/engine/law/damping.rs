@@ -1,7 +1,7 @@
 //! Forces of the speed, and springs behind dashpots.
 
 use crate::engine::row::{Row, Sizes, over};
-use crate::specimen::element::Law;
+use crate::laws::specimen::element::Law;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let m = &sizes.motion;

@@ -1,7 +1,7 @@
 //! Friction: the same force whichever speed, more at rest, with the place, with the way.
 
 use crate::engine::row::{Row, Sizes, over};
-use crate::specimen::element::Law;
+use crate::laws::specimen::element::Law;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {

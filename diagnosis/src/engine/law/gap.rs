@@ -1,8 +1,8 @@
 //! Lost motion and contacts.
 
 use crate::engine::row::{Row, Sizes, over};
-use crate::library::ROUNDED_GAP;
-use crate::specimen::element::Law;
+use crate::laws::library::ROUNDED_GAP;
+use crate::laws::specimen::element::Law;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {

@@ -1,7 +1,7 @@
 //! Hysteresis: the force depends on the way since the last reversals. Beside a free strength the spring may be another one.
 
 use crate::engine::row::{Row, Sizes, over};
-use crate::specimen::element::Law;
+use crate::laws::specimen::element::Law;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {

@@ -11,7 +11,7 @@ mod reading;
 mod spring;
 
 use super::row::{Form, Row, Sizes};
-use crate::specimen::element::Law;
+use crate::laws::specimen::element::Law;
 
 /// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest. `dashpot`: one is
 /// declared, and none is outside its tolerances.

@@ -1,7 +1,7 @@
 //! What the readings do: a calibration, a zero, a clock, a line, a limit; and the mass on the load cell.
 
 use crate::engine::row::{Row, Sizes};
-use crate::library::ROUNDED_LIMIT;
+use crate::laws::library::ROUNDED_LIMIT;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {

@@ -1,7 +1,7 @@
 //! Springs that stiffen, soften, differ by side, or lose stiffness for good.
 
 use crate::engine::row::{Row, Sizes, over};
-use crate::specimen::element::Law;
+use crate::laws::specimen::element::Law;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {

@@ -1,0 +1,104 @@
+//! What a record alone says of a row of the matrices: instrumental variables, with a covariance from blocks.
+//!
+//! Least squares of the force on noisy readings make entries too small, accelerations most. The target moved as the
+//! specimen did and has no noise of the readings: with it as instrument the noise averages out.
+
+use super::record::Moved;
+use crate::model::coordinates::CoupledSpecimen;
+use crate::record::refusal::Refusal;
+use nalgebra::{DMatrix, DVector};
+
+/// The unknowns of a row and how sure they are.
+pub struct Estimate {
+    /// In the order of [`CoupledSpecimen::row`].
+    pub value: DVector<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+}
+
+/// Lengths of blocks, s: of what is correlated over more than a block, longer ones see more.
+const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
+/// Keeps what a motion cannot tell apart from being divided by zero, as a share of a column's own squares.
+const RIDGE: f64 = 1e-9;
+
+/// One estimate for each coordinate.
+pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estimate>, Refusal> {
+    let n = declared.count();
+    // One unknown more: the force at rest.
+    let unknowns = 3 * n + 1;
+    let size = |columns: fn(&Moved) -> &Vec<Vec<f64>>| -> Vec<f64> {
+        let rms = |c: usize| {
+            let all = train.iter().flat_map(|m| &columns(m)[c]);
+            all.map(|x| x * x).sum::<f64>().sqrt()
+        };
+        let samples = train.iter().map(Moved::len).sum::<usize>() as f64;
+        (0..3 * n).map(rms).chain([samples.sqrt()]).collect()
+    };
+    let (by, with) = (size(|m| &m.motion), size(|m| &m.instrument));
+    if let Some(c) = with.iter().position(|s| s.is_nan() || *s <= 0.0) {
+        return Err(Refusal::new(format!(
+            "the target of {} stands still: accepted are records in which it moves",
+            declared.coordinates[c % n]
+        )));
+    }
+    let scaled = |columns: &[Vec<f64>], size: &[f64], k: usize| {
+        DVector::from_fn(unknowns, |c, _| {
+            columns.get(c).map_or(1.0, |x| x[k]) / size[c]
+        })
+    };
+    let mut bread = DMatrix::<f64>::identity(unknowns, unknowns) * RIDGE;
+    let mut seen = DMatrix::<f64>::zeros(unknowns, n);
+    for m in train {
+        for k in 0..m.len() {
+            let (a, z) = (scaled(&m.motion, &by, k), scaled(&m.instrument, &with, k));
+            bread.ger(1.0, &z, &a, 1.0);
+            for (i, force) in m.force.iter().enumerate() {
+                seen.column_mut(i).axpy(force[k], &z, 1.0);
+            }
+        }
+    }
+    let inverse = bread.try_inverse().ok_or_else(|| {
+        Refusal::new(
+            "the coordinates move as one: accepted are records in which they move by themselves",
+        )
+    })?;
+    let solution = &inverse * seen;
+    Ok((0..n)
+        .map(|i| {
+            let x = solution.column(i).into_owned();
+            let scatter = BLOCKS_S
+                .iter()
+                .map(|seconds| {
+                    let mut meat = DMatrix::<f64>::zeros(unknowns, unknowns);
+                    let (mut blocks, mut squares, mut samples) = (0.0, 0.0, 0.0);
+                    for m in train {
+                        let block = ((seconds / m.interval_s) as usize).max(4);
+                        for start in (0..m.len()).step_by(block) {
+                            let mut score = DVector::<f64>::zeros(unknowns);
+                            for k in start..(start + block).min(m.len()) {
+                                let rest = m.force[i][k] - scaled(&m.motion, &by, k).dot(&x);
+                                squares += rest * rest;
+                                samples += 1.0;
+                                score.axpy(rest, &scaled(&m.instrument, &with, k), 1.0);
+                            }
+                            meat.ger(1.0, &score, &score, 1.0);
+                            blocks += 1.0;
+                        }
+                    }
+                    // Of what the ridge alone decides nothing is known.
+                    meat +=
+                        DMatrix::<f64>::identity(unknowns, unknowns) * (RIDGE * squares / samples);
+                    let used = blocks / (blocks - unknowns as f64).max(0.5 * blocks);
+                    &inverse * meat * inverse.transpose() * used
+                })
+                .max_by(|a, b| a.trace().total_cmp(&b.trace()));
+            let scatter = scatter.unwrap_or_else(|| DMatrix::zeros(unknowns, unknowns));
+            Estimate {
+                value: DVector::from_fn(3 * n, |c, _| x[c] / by[c]),
+                covariance: DMatrix::from_fn(3 * n, 3 * n, |c, d| {
+                    scatter[(c, d)] / (by[c] * by[d])
+                }),
+            }
+        })
+        .collect())
+}

@@ -1,0 +1,64 @@
+//! A specimen of several coordinates: each force depends on the motion of all of them.
+//!
+//! ```text
+//! f = K q + C q' + M q''
+//! ```
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`crate::model::coordinates`] | what is declared of K, C and M |
+//! | [`record`] | the motion and the forces, behind one low-pass without phase |
+//! | [`fit`] | what a record alone says of the entries, with its covariance |
+//! | [`reciprocity`] | entries that are one unknown, since what acts one way acts back |
+//! | [`select`] | the entries that cannot be what they were declared to be |
+//! | [`answer`] | the verdict, in figures |
+
+mod answer;
+mod fit;
+mod reciprocity;
+mod record;
+mod select;
+
+pub use answer::{CoordinateAnswer, CoupledDiagnosis, CoupledTraces, CoupledVerdict, WrongEntry};
+pub use record::CoupledRecord;
+
+use crate::model::coordinates::CoupledSpecimen;
+use crate::record::refusal::Refusal;
+use answer::Judge;
+use record::Moved;
+use std::time::Instant;
+
+/// Finds which entries of `declared` the forces of `train` contradict, and judges what was found on `test`.
+///
+/// # Errors
+/// A specimen or a record that cannot be judged, in one sentence.
+pub fn diagnose_coupled(
+    declared: &CoupledSpecimen,
+    train: &[CoupledRecord],
+    test: &[CoupledRecord],
+) -> Result<CoupledDiagnosis, Refusal> {
+    let begin = Instant::now();
+    declared.check()?;
+    for record in train.iter().chain(test) {
+        record.check(declared)?;
+    }
+    let cutoff_hz = record::cutoff_hz(train)?;
+    let moved = |set: &[CoupledRecord]| -> Result<Vec<Moved>, Refusal> {
+        set.iter().map(|r| Moved::of(r, cutoff_hz)).collect()
+    };
+    let (train, test) = (moved(train)?, moved(test)?);
+    let rows = fit::estimate(declared, &train)?;
+    let tied = reciprocity::tie(declared, &rows, &train);
+    let chosen = select::wrong(&tied.declared, &tied.estimate);
+    let judge = Judge {
+        declared,
+        tied: &tied,
+        chosen: &chosen,
+        train: &train,
+        test: &test,
+    };
+    Ok(judge.answer(cutoff_hz, begin))
+}
+
+#[cfg(test)]
+mod tests;

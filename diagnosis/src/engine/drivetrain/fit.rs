@@ -1,0 +1,519 @@
+//! A signal path fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
+
+use crate::criteria::REACH;
+use crate::engine::score::{BLOCKS, edges};
+use crate::laws::drivetrain::part::{ActuatorScales, Part};
+use crate::laws::drivetrain::signal_path::{Run, SignalPath};
+use crate::model::base::Base;
+use crate::numbers::linear::{Bound, Factor, Normal, dot, gram, solve, stacked};
+use crate::numbers::signals::{add_columns, clear, difference, difference_quotient};
+use nalgebra::DVector;
+
+/// The declared parameters: gain, delay, lag, offset.
+pub const DECLARED: usize = 4;
+/// Delay and lag.
+const TIMING: [usize; 2] = [1, 2];
+/// Linear steps of a fit at most.
+const STEPS: usize = 10;
+/// A fall of the squares that is not worth another step, as a share.
+const SETTLED: f64 = 1e-3;
+/// Delays and lags that move are no longer than these, s, and no longer than a fifth of the record.
+const LONGEST_S: f64 = 0.5;
+
+/// Records and what is declared of them.
+#[derive(Debug)]
+pub struct ActuatorData<'a> {
+    pub runs: Vec<Run>,
+    pub interval_s: f64,
+    pub sizes: ActuatorScales,
+    pub base: &'a Base,
+    /// Block of each sample, segment after segment.
+    edges: Vec<usize>,
+    /// Measured displacement, segment after segment.
+    pub target: Vec<f64>,
+    /// Those of its samples that nobody measured.
+    unmeasured: Vec<usize>,
+}
+
+/// A model: parts, and which declared parameters may leave their tolerances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartSet {
+    pub parts: Vec<Part>,
+    pub moved: [bool; DECLARED],
+}
+
+impl PartSet {
+    /// Nothing but the declared parameters, within their tolerances.
+    pub const fn held() -> Self {
+        Self {
+            parts: Vec::new(),
+            moved: [false; DECLARED],
+        }
+    }
+
+    /// Parts, and parameters that may leave their tolerances.
+    pub fn size(&self) -> usize {
+        self.parts.len() + self.moved.iter().filter(|m| **m).count()
+    }
+
+    /// The same with one thing less of what a path of a higher order looks like: a second lag, an oil column, another delay or lag.
+    pub fn without_each_of_order(&self) -> Vec<Self> {
+        let mut all = Vec::new();
+        for i in 0..self.parts.len() {
+            if self.parts[i].kind.is_order() {
+                let mut fewer = self.clone();
+                fewer.parts.remove(i);
+                all.push(fewer);
+            }
+        }
+        for i in TIMING {
+            if self.moved[i] {
+                let mut fewer = self.clone();
+                fewer.moved[i] = false;
+                all.push(fewer);
+            }
+        }
+        all
+    }
+}
+
+/// A model at its best.
+#[derive(Clone, Debug)]
+pub struct ActuatorFit {
+    pub model: PartSet,
+    /// Gain, delay s, lag s, offset mm.
+    pub declared: [f64; DECLARED],
+    /// One for each part with an amplitude, in their order.
+    pub amplitudes: Vec<f64>,
+    /// Sum of the squares that are left.
+    pub cost: f64,
+    /// Measured less modelled.
+    pub residual: Vec<f64>,
+    /// How the answer changes with everything that is not at a bound.
+    pub slopes: Vec<Vec<f64>>,
+}
+
+/// Where a fit stands: what it moves.
+#[derive(Clone, Debug)]
+struct Place {
+    declared: [f64; DECLARED],
+    amplitudes: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+impl Place {
+    fn path(&self) -> SignalPath {
+        SignalPath {
+            delay_s: self.declared[1],
+            lag_s: self.declared[2],
+            parts: self.parts.clone(),
+        }
+    }
+
+    /// A step on: declared parameters, amplitudes, shapes.
+    fn moved_by(&self, step: &DVector<f64>) -> Self {
+        let mut next = self.clone();
+        let unknowns = next.declared.iter_mut().chain(&mut next.amplitudes);
+        let shapes = next.parts.iter_mut().flat_map(|p| {
+            let own = p.kind.shapes();
+            p.shapes.iter_mut().take(own)
+        });
+        for (unknown, step) in unknowns.chain(shapes).zip(step.iter()) {
+            *unknown += step;
+        }
+        next
+    }
+}
+
+impl<'a> ActuatorData<'a> {
+    pub fn new(runs: Vec<Run>, interval_s: f64, base: &'a Base) -> Self {
+        let target: Vec<f64> = runs.iter().flat_map(|r| r.target.clone()).collect();
+        let n = target.len();
+        let mut unmeasured = Vec::new();
+        let mut from = 0;
+        for run in &runs {
+            unmeasured.extend(run.unmeasured.iter().map(|i| from + i));
+            from += run.target.len();
+        }
+        let ends = target
+            .iter()
+            .fold([f64::MAX, f64::MIN], |[l, h], x| [l.min(*x), h.max(*x)]);
+        let apart = |r: &Run, i: usize| {
+            let last = r.target.len() - 1;
+            let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
+            (r.target[to] - r.target[from]).abs() / ((to - from).max(1) as f64 * interval_s)
+        };
+        let speeds = runs
+            .iter()
+            .flat_map(|r| (0..r.target.len()).map(|i| apart(r, i)));
+        let speeds: Vec<f64> = speeds.collect();
+        let openings = runs.iter().flat_map(|r| {
+            let command = r.command[r.lead..].iter();
+            command.zip(&r.target).map(|(u, x)| base.values[0] * u - x)
+        });
+        let mut openings: Vec<f64> = openings.collect();
+        let mean = openings.iter().sum::<f64>() / n as f64;
+        openings.iter_mut().for_each(|e| *e = (*e - mean).abs());
+        openings.sort_by(f64::total_cmp);
+        let tiny = 1e-9 * (ends[1] - ends[0]).max(f64::MIN_POSITIVE);
+        let sizes = ActuatorScales {
+            x_mm: 0.5 * (ends[1] - ends[0]),
+            speed_mm_per_s: speeds.iter().copied().fold(tiny, f64::max),
+            opening_mm: openings[(n as f64 * 0.98) as usize].max(tiny),
+            interval_s,
+            seconds: n as f64 * interval_s / runs.len() as f64,
+            ends_mm: ends,
+        };
+        Self {
+            runs,
+            interval_s,
+            sizes,
+            base,
+            edges: edges(&speeds),
+            target,
+            unmeasured,
+        }
+    }
+
+    /// Whether there is a force to give way to.
+    pub fn has_force(&self) -> bool {
+        self.runs.iter().all(|r| !r.force.is_empty())
+    }
+
+    /// All columns, segment after segment: the answer at gain 1, one for each amplitude.
+    fn columns(&self, path: &SignalPath) -> Vec<Vec<f64>> {
+        stacked(
+            self.runs
+                .iter()
+                .map(|run| path.columns(run, self.interval_s)),
+        )
+    }
+
+    /// Between which values a declared parameter may be, in its unit here (s, mm).
+    fn bound(&self, which: usize, moved: bool) -> [f64; 2] {
+        let unit = if matches!(which, 1 | 2) { 1e-3 } else { 1.0 };
+        let value = self.base.values[which] * unit;
+        if moved {
+            return match which {
+                1 | 2 => [0.0, LONGEST_S.min(0.2 * self.sizes.seconds)],
+                _ => [f64::NEG_INFINITY, f64::INFINITY],
+            };
+        }
+        let free = self.base.free.iter().find(|f| f.index == which);
+        let reach = free.map_or(0.0, |f| REACH * f.tolerance * unit);
+        let low = value - reach;
+        [
+            if matches!(which, 1 | 2) {
+                low.max(0.0)
+            } else {
+                low
+            },
+            value + reach,
+        ]
+    }
+
+    /// Gain, delay s, lag s and offset as declared.
+    pub fn declared_values(&self) -> [f64; DECLARED] {
+        let v = self.base.values;
+        [v[0], 1e-3 * v[1], 1e-3 * v[2], v[3]]
+    }
+
+    /// How many samples each block has.
+    pub fn block_samples(&self) -> [f64; BLOCKS] {
+        std::array::from_fn(|b| (self.edges[b + 1] - self.edges[b]) as f64)
+    }
+
+    /// Squares on each block.
+    pub fn squares(&self, residual: &[f64]) -> [f64; BLOCKS] {
+        std::array::from_fn(|b| {
+            let part = &residual[self.edges[b]..self.edges[b + 1]];
+            dot(part, part)
+        })
+    }
+
+    /// A signal path as it stands in a fit.
+    pub fn path(&self, fit: &ActuatorFit) -> SignalPath {
+        SignalPath {
+            delay_s: fit.declared[1],
+            lag_s: fit.declared[2],
+            parts: fit.model.parts.clone(),
+        }
+    }
+
+    /// What parts at these values make of the answer, less what the fit makes of it: the column of a step towards them.
+    pub fn change(&self, fit: &ActuatorFit, more: Part) -> Vec<f64> {
+        let mut path = self.path(fit);
+        path.parts.push(more);
+        let mut columns = self.columns(&path);
+        if more.kind.is_column() {
+            let mut own = columns.pop().unwrap_or_default();
+            clear(&mut own, &self.unmeasured);
+            return own;
+        }
+        let mut y = self.combined(&columns, &fit.declared, &fit.amplitudes);
+        for ((y, t), r) in y.iter_mut().zip(&self.target).zip(&fit.residual) {
+            *y -= t - r;
+        }
+        clear(&mut y, &self.unmeasured);
+        y
+    }
+
+    fn combined(
+        &self,
+        columns: &[Vec<f64>],
+        declared: &[f64; DECLARED],
+        amplitudes: &[f64],
+    ) -> Vec<f64> {
+        let mut y: Vec<f64> = columns[0]
+            .iter()
+            .map(|c| declared[0] * c + declared[3])
+            .collect();
+        add_columns(&mut y, &columns[1..], amplitudes, 1.0);
+        y
+    }
+
+    /// Measured less modelled; 0 where nobody measured.
+    fn left(&self, modelled: &[f64]) -> Vec<f64> {
+        let mut left = difference(&self.target, modelled);
+        clear(&mut left, &self.unmeasured);
+        left
+    }
+
+    /// What a fit leaves of these records, which may be others than it was made with.
+    pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
+        let y = self.combined(
+            &self.columns(&self.path(fit)),
+            &fit.declared,
+            &fit.amplitudes,
+        );
+        self.left(&y)
+    }
+
+    /// A residual of all records, record by record.
+    pub fn by_record(&self, residual: &[f64]) -> Vec<Vec<f64>> {
+        let mut from = 0;
+        let part = |run: &Run| {
+            from += run.target.len();
+            residual[from - run.target.len()..from].to_vec()
+        };
+        self.runs.iter().map(part).collect()
+    }
+
+    /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
+    pub fn fit(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorFit> {
+        let within = |i: usize| {
+            let [low, high] = self.bound(i, model.moved[i]);
+            start[i].clamp(low, high)
+        };
+        let columned = model.parts.iter().filter(|p| p.kind.is_column());
+        let mut at = Place {
+            declared: std::array::from_fn(within),
+            amplitudes: vec![0.0; columned.count()],
+            parts: model.parts.clone(),
+        };
+        let mut damping = 1e-6;
+        let mut last: Option<ActuatorFit> = None;
+        let mut columns = self.columns(&at.path());
+        for _ in 0..STEPS {
+            let here = self.linearized(model, &at, &columns);
+            let (cost, bounds) = (here.cost, self.room(model, &at));
+            let normal = Normal {
+                matrix: gram(&here.slopes),
+                right: DVector::from_fn(here.slopes.len(), |i, _| {
+                    dot(&here.slopes[i], &here.residual)
+                }),
+                square: cost,
+            };
+            last = Some(here);
+            let mut moved = false;
+            for _ in 0..5 {
+                let mut damped = normal.clone();
+                for i in 0..damped.right.len() {
+                    damped.matrix[(i, i)] *= 1.0 + damping;
+                    damped.matrix[(i, i)] += f64::MIN_POSITIVE;
+                }
+                let (step, _) = solve(&damped, &bounds)?;
+                let next = at.moved_by(&step);
+                let there = self.columns(&next.path());
+                let y = self.combined(&there, &next.declared, &next.amplitudes);
+                let left = self.left(&y);
+                let square = dot(&left, &left);
+                if square < cost {
+                    (at, columns) = (next, there);
+                    moved = cost - square > SETTLED * cost;
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping = (damping * 30.0).max(1e-4);
+            }
+            if !moved {
+                break;
+            }
+        }
+        last.filter(|f| f.cost.is_finite())
+    }
+
+    /// The model there, of these columns, with how its answer changes from there on.
+    fn linearized(&self, model: &PartSet, at: &Place, columns: &[Vec<f64>]) -> ActuatorFit {
+        let path = at.path();
+        let y = self.combined(columns, &at.declared, &at.amplitudes);
+        let residual = self.left(&y);
+        ActuatorFit {
+            slopes: self.slopes(&path, columns, &y, &at.declared, &at.amplitudes),
+            model: PartSet {
+                parts: at.parts.clone(),
+                moved: model.moved,
+            },
+            declared: at.declared,
+            amplitudes: at.amplitudes.clone(),
+            cost: dot(&residual, &residual),
+            residual,
+        }
+    }
+
+    /// How far each unknown may go from there.
+    fn room(&self, model: &PartSet, at: &Place) -> Vec<Bound> {
+        let declared = (0..DECLARED).map(|i| {
+            let [low, high] = self.bound(i, model.moved[i]);
+            Bound {
+                low: low - at.declared[i],
+                high: high - at.declared[i],
+            }
+        });
+        let columned = at.parts.iter().filter(|p| p.kind.is_column());
+        let amplitudes = columned.zip(&at.amplitudes).map(|(p, a)| Bound {
+            low: if p.kind.is_positive() {
+                -a
+            } else {
+                f64::NEG_INFINITY
+            },
+            high: f64::INFINITY,
+        });
+        let shapes = at.parts.iter().flat_map(|p| {
+            (0..p.kind.shapes()).map(|i| {
+                let [low, high] = p.kind.bounds(i, &self.sizes);
+                // Not all the way at once: a shape acts other than in proportion.
+                let least = 0.02 * (high - low).min(self.sizes.x_mm);
+                let step = 0.5 * p.shapes[i].abs().max(least);
+                step_within([low, high], p.shapes[i], step)
+            })
+        });
+        declared.chain(amplitudes).chain(shapes).collect()
+    }
+
+    /// How the answer changes with declared parameters, amplitudes and shapes.
+    fn slopes(
+        &self,
+        path: &SignalPath,
+        columns: &[Vec<f64>],
+        y: &[f64],
+        declared: &[f64; DECLARED],
+        amplitudes: &[f64],
+    ) -> Vec<Vec<f64>> {
+        let apart = |path: &SignalPath, step: f64| -> Vec<f64> {
+            let moved = self.combined(&self.columns(path), declared, amplitudes);
+            difference_quotient(&moved, y, step)
+        };
+        let timed = 0.05 * self.interval_s;
+        let mut late = path.clone();
+        late.delay_s += timed;
+        let mut slow = path.clone();
+        slow.lag_s += timed;
+        let mut slopes = vec![
+            columns[0].clone(),
+            apart(&late, timed),
+            apart(&slow, timed),
+            vec![1.0; y.len()],
+        ];
+        slopes.extend(columns[1..].iter().cloned());
+        for (p, part) in path.parts.iter().enumerate() {
+            for i in 0..part.kind.shapes() {
+                let step = part.kind.step(i, &self.sizes);
+                let mut moved = path.clone();
+                moved.parts[p].shapes[i] += step;
+                slopes.push(apart(&moved, step));
+            }
+        }
+        slopes.iter_mut().for_each(|s| clear(s, &self.unmeasured));
+        slopes
+    }
+
+    /// Squares on each block of the fit as it would be without that block, to first order; what stands at a bound stays.
+    pub fn cross_validated(&self, fit: &ActuatorFit) -> Option<[f64; BLOCKS]> {
+        let columns = self.free_slopes(fit);
+        if columns.is_empty() {
+            return Some(self.squares(&fit.residual));
+        }
+        let whole = gram(&columns);
+        let mut out = [0.0; BLOCKS];
+        for (b, out) in out.iter_mut().enumerate() {
+            let (from, end) = (self.edges[b], self.edges[b + 1]);
+            let part: Vec<Vec<f64>> = columns.iter().map(|s| s[from..end].to_vec()).collect();
+            let mut matrix = &whole - gram(&part);
+            for i in 0..matrix.nrows() {
+                matrix[(i, i)] += 1e-9 * whole[(i, i)];
+            }
+            // Without the block the sum of slopes times residuals is less by the block's.
+            let mut left = fit.residual[from..end].to_vec();
+            Factor::of(matrix)?.add_regression(&part, &mut left, 1.0);
+            *out = dot(&left, &left);
+        }
+        Some(out)
+    }
+
+    /// The slopes of what may move: not at a bound, and not held at one value.
+    pub fn free_slopes(&self, fit: &ActuatorFit) -> Vec<Vec<f64>> {
+        let inside = |value: f64, [low, high]: [f64; 2]| {
+            let room = 1e-9 * (high - low).clamp(0.0, 1e6);
+            value > low + room && value < high - room
+        };
+        let mut values: Vec<bool> = (0..DECLARED)
+            .map(|i| inside(fit.declared[i], self.bound(i, fit.model.moved[i])))
+            .collect();
+        let columned = fit.model.parts.iter().filter(|p| p.kind.is_column());
+        for (p, a) in columned.zip(&fit.amplitudes) {
+            values.push(!p.kind.is_positive() || *a > 0.0);
+        }
+        for p in &fit.model.parts {
+            values.extend(
+                (0..p.kind.shapes()).map(|i| inside(p.shapes[i], p.kind.bounds(i, &self.sizes))),
+            );
+        }
+        fit.slopes
+            .iter()
+            .zip(values)
+            .filter(|(_, free)| *free)
+            .map(|(s, _)| s.clone())
+            .collect()
+    }
+}
+
+/// How far a shape may go in one step towards its bounds or within them: a search begins beyond them where a record is slower
+/// than any that it knows.
+fn step_within(bounds: [f64; 2], shape: f64, most: f64) -> Bound {
+    let [low, high] = bounds.map(|edge| (edge - shape).clamp(-most, most));
+    Bound {
+        low: low.min(high),
+        high,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_goes_towards_its_bounds_by_no_more_than_a_step() {
+        let reach = |shape: f64, most: f64| {
+            let Bound { low, high } = step_within([0.1, 0.5], shape, most);
+            [low, high]
+        };
+        assert_eq!(reach(0.25, 1.0), [-0.15, 0.25]);
+        assert_eq!(reach(0.25, 0.125), [-0.125, 0.125]);
+        // From far beyond them it comes back step by step.
+        assert_eq!(reach(1.12, 0.25), [-0.25, -0.25]);
+        assert_eq!(reach(-1.0, 0.25), [0.25, 0.25]);
+        let inverted = step_within([0.5, 0.1], 0.3, 1.0);
+        assert!(inverted.low <= inverted.high);
+    }
+}

@@ -1,0 +1,195 @@
+//! What was found, as figures with their scatter and as a part of a model.
+
+use super::fit::{ActuatorData, ActuatorFit, DECLARED};
+use crate::laws::drivetrain::part::{Part, PartKind};
+use crate::model::interval;
+use crate::model::{Declared, Model};
+use plant::{Channel, Effect, EffectSpec};
+
+/// A parameter by the catalogue: name, unit, value, standard deviation.
+pub type Figure = (&'static str, &'static str, f64, f64);
+
+/// Segments whose pulls tell the scatter of what was fitted: of what is correlated for long, the fewer see more.
+const SEGMENTS: [usize; 3] = [12, 24, 48];
+
+/// The declared unit of a parameter in the unit here, where times are in s.
+fn unit(which: usize) -> f64 {
+    match Channel::Actuator.parameters()[which].unit {
+        "ms" => 1e-3,
+        _ => 1.0,
+    }
+}
+
+impl ActuatorData<'_> {
+    /// Standard deviation of declared parameters, amplitudes and shapes, from how far segments of the record pull the
+    /// fit apart.
+    pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
+        let mut widest = vec![0.0_f64; fit.slopes.len()];
+        for segments in SEGMENTS {
+            let own = interval::by_segments(&fit.slopes, &fit.residual, segments);
+            for (widest, own) in widest.iter_mut().zip(own) {
+                *widest = widest.max(own);
+            }
+        }
+        widest
+    }
+
+    /// The parameters of a name in a fit; `spread` is of this fit.
+    pub fn figures(&self, fit: &ActuatorFit, name: Effect, spread: &[f64]) -> Vec<Figure> {
+        if let Some(i) = Channel::Actuator.parameter_of_error(name) {
+            let p = &Channel::Actuator.parameters()[i];
+            let had = self.base.values[i];
+            let error = p.error(fit.declared[i] / unit(i), had);
+            // What it should be is known to its tolerance.
+            let known = self.base.tolerance(i);
+            let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
+            return vec![(p.error_parameter, p.error_unit(), error, scatter)];
+        }
+        let (gain, lag_s) = (fit.declared[0].abs(), fit.declared[2].max(1e-6));
+        let mut amplitude_at = DECLARED;
+        let mut shape_at = DECLARED + fit.amplitudes.len();
+        let mut out = Vec::new();
+        for part in &fit.model.parts {
+            let mut scatter = [0.0; 4];
+            let own = part.kind.shapes();
+            scatter[..own].copy_from_slice(&spread[shape_at..shape_at + own]);
+            shape_at += own;
+            let (strength, ss) = if part.kind.is_column() {
+                amplitude_at += 1;
+                (
+                    fit.amplitudes[amplitude_at - 1 - DECLARED],
+                    spread[amplitude_at - 1],
+                )
+            } else {
+                (0.0, 0.0)
+            };
+            if part.effect() != name {
+                continue;
+            }
+            out.extend(part_figures(part, [strength, ss], scatter, [gain, lag_s]));
+        }
+        out
+    }
+
+    /// Puts a fit into the actuator's model: its declared parameters with the tolerance that they had, at least their
+    /// scatter, and its parts as effects.
+    pub fn save(&self, fit: &ActuatorFit, spread: &[f64], model: &mut Model) {
+        let Some((places, effects)) = model.channel_mut(Channel::Actuator) else {
+            return;
+        };
+        for (i, field) in places.into_iter().enumerate() {
+            let unit = 1.0 / unit(i);
+            let (value, scatter) = (unit * fit.declared[i], unit * spread[i]);
+            let tolerance = field.map_or(0.0, |d| d.tolerance);
+            let had = field.map_or(self.base.values[i], |d| d.value);
+            if field.is_some() && tolerance > 0.0 || (value - had).abs() > 1e-12 {
+                let least = if scatter.is_finite() { scatter } else { 0.0 };
+                *field = Some(Declared {
+                    value,
+                    tolerance: tolerance.max(least),
+                });
+            }
+        }
+        let gain = fit.declared[0];
+        let mut amplitudes = fit.amplitudes.iter();
+        for part in &fit.model.parts {
+            let [a, b, c, d] = part.shapes;
+            let mut strength = || amplitudes.next().copied().unwrap_or(0.0);
+            let width = a * gain.abs();
+            let lag_ms = 1e3 * fit.declared[2];
+            let parameters = match part.kind {
+                PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
+                PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
+                PartKind::TwoSpeeds => vec![("flow_difference", a)],
+                PartKind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
+                PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
+                PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
+                PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
+                PartKind::Play | PartKind::DeadBand => vec![("width_mm", width)],
+                PartKind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
+                PartKind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
+                PartKind::Seal => vec![
+                    ("oil_bend_mm", a),
+                    ("presliding_mm", b),
+                    ("valve_lag_ms", lag_ms),
+                ],
+                PartKind::StickySeal => vec![
+                    ("oil_bend_mm", a),
+                    ("presliding_mm", b),
+                    ("rest_ratio", c),
+                    ("stribeck_mm_per_s", d),
+                    ("valve_lag_ms", lag_ms),
+                ],
+                PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
+                // The library's half of it is the gain's; no lag of the way back beside it.
+                PartKind::SideGain => vec![("difference", strength() / gain)],
+                PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
+                PartKind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
+            };
+            effects.push(EffectSpec::new(part.kind.effect(), &parameters));
+        }
+    }
+}
+
+/// The figures of a part: of its strength and shapes with how far each is scattered, behind a gain and a lag, s.
+fn part_figures(
+    part: &Part,
+    [strength, ss]: [f64; 2],
+    [sa, sb, sc, sd]: [f64; 4],
+    [gain, lag_s]: [f64; 2],
+) -> Vec<Figure> {
+    let [a, b, c, d] = part.shapes;
+    match part.kind {
+        PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
+        PartKind::OilColumn => {
+            vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
+        }
+        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+        PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
+        PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
+        PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
+        PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+        PartKind::Play | PartKind::DeadBand => {
+            vec![("width_mm", "mm", a * gain, sa * gain)]
+        }
+        PartKind::Stops => {
+            let nearest = if a.abs() < b.abs() {
+                (a.abs(), sa)
+            } else {
+                (b.abs(), sb)
+            };
+            vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
+        }
+        PartKind::Friction => vec![
+            ("error_mm", "mm", strength, ss),
+            ("presliding_mm", "mm", a, sa),
+        ],
+        PartKind::Seal | PartKind::StickySeal => {
+            let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];
+            if part.kind == PartKind::StickySeal {
+                all.push(("rest_ratio", "", c, sc));
+                all.push(("stribeck_mm_per_s", "mm/s", d * gain, sd * gain));
+            }
+            all.push(("presliding_mm", "mm", b * gain, sb * gain));
+            all
+        }
+        PartKind::Compliance => {
+            let stiffness = 1.0 / strength.max(1e-12);
+            vec![(
+                "stiffness_n_per_mm",
+                "N/mm",
+                stiffness,
+                stiffness * stiffness * ss,
+            )]
+        }
+        PartKind::SideGain => vec![("difference", "", strength / gain, ss / gain)],
+        PartKind::Drift => vec![
+            ("rate_mm_per_s", "mm/s", strength / a, ss / a),
+            ("time_constant_s", "s", a, sa),
+        ],
+        PartKind::GainDrift => vec![
+            ("change", "", strength / gain, ss / gain),
+            ("time_constant_s", "s", a, sa),
+        ],
+    }
+}

@@ -1,0 +1,196 @@
+//! Effects between command and displacement; columns in mm.
+
+use super::candidate::{Known, growth, hum_columns, stribeck};
+use crate::laws::drivetrain::part::{Part, PartKind, Shapes, shapes};
+use crate::laws::drivetrain::signal_path::SignalPath;
+use crate::numbers::operators as op;
+use crate::numbers::signals::{Scales, delayed, difference, lagged, resonant, unlagged};
+use plant::Effect;
+
+/// What most of them are variations of.
+const BASIS: Known = Known {
+    effect: Effect::Offset,
+    columns: |s, _, _| vec![vec![1.0; s.x.len()]],
+    stage: None,
+};
+
+/// The shape is the whole delay and one interval more, so that it is never 0.
+fn extra_delay_s(shape: &[f64], k: &Scales) -> f64 {
+    shape[0] - k.interval_s - k.declared.delay_s
+}
+
+/// A stage behind the actuator, which adds nothing of its own.
+const STAGE: Known = Known {
+    columns: |_, _, _| Vec::new(),
+    ..BASIS
+};
+
+pub const EFFECTS: &[Known] = &[
+    Known {
+        effect: Effect::DelayError,
+        stage: Some(|y, p, k| delayed(y, extra_delay_s(p, k), k.step_s)),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::LagError,
+        stage: Some(|y, p, k| {
+            let known_s = k.actuator.lag_s;
+            let lag_s = (known_s + p[0] - k.declared.lag_s).max(0.0);
+            let before = unlagged(y, known_s, k.step_s);
+            lagged(&before, lag_s, k.step_s)
+        }),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::SecondLag,
+        stage: Some(|y, p, k| lagged(y, p[0], k.step_s)),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::OilColumn,
+        stage: Some(|y, p, k| resonant(y, p[0], p[1], k.step_s)),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::GainError,
+        columns: |s, _, _| vec![s.base.clone()],
+        ..BASIS
+    },
+    BASIS,
+    Known {
+        effect: Effect::RigCompliance,
+        columns: |s, _, _| vec![s.force.iter().map(|f| -f).collect()],
+        ..BASIS
+    },
+    Known {
+        effect: Effect::Drift,
+        columns: |s, p, _| vec![growth(s, p[0]).map(|g| g * p[0]).collect()],
+        ..BASIS
+    },
+    Known {
+        effect: Effect::TemperatureGain,
+        columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, x)| g * x).collect()],
+        ..BASIS
+    },
+    Known {
+        effect: Effect::CoulombFriction,
+        columns: |s, p, _| vec![op::slider(&s.x, p[0]).iter().map(|z| -z).collect()],
+        ..BASIS
+    },
+    Known {
+        effect: Effect::StribeckFriction,
+        columns: |s, p, _| {
+            let z: Vec<f64> = op::slider(&s.x, p[0]).iter().map(|z| -z).collect();
+            let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
+            stribeck(z, s.v.iter().map(slow))
+        },
+        ..BASIS
+    },
+    Known {
+        effect: Effect::Backlash,
+        stage: Some(|y, p, _| op::play(y, p[0])),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::DeadBand,
+        stage: Some(|y, p, _| op::dead_zone(y, p[0]).collect()),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::Saturation,
+        stage: Some(|y, p, _| y.iter().map(|y| y.clamp(-p[0], p[0])).collect()),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::RateLimit,
+        stage: Some(|y, p, k| op::slew(y, p[0] * k.step_s)),
+        ..STAGE
+    },
+    Known {
+        effect: Effect::AsymmetricActuator,
+        columns: |s, p, k| {
+            let gain = s.x.iter().map(|x| 0.5 * x.abs()).collect();
+            let lag = op::retract_lag(&s.x, p[0], k.interval_s, s.interval_s);
+            vec![gain, difference(&lag, &s.x)]
+        },
+        ..BASIS
+    },
+    Known {
+        effect: Effect::MainsHum,
+        columns: |s, p, _| hum_columns(s, p),
+        ..BASIS
+    },
+];
+
+/// Forms that the engine finds as parts of the path (`laws/drivetrain/part.rs`), beside those above: the same names, other numbers
+/// of shapes. Here they are only read back from a model file.
+pub const FORMS: &[Known] = &[
+    // Unequal areas of a cylinder, x' = (e + b e^2) / T: b, 1/mm.
+    Known {
+        effect: Effect::AsymmetricActuator,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::UnequalAreas, shapes([p[0]]))),
+        ..STAGE
+    },
+    // A single rod, x' = (e + r |e|) / T: r.
+    Known {
+        effect: Effect::AsymmetricActuator,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::TwoSpeeds, shapes([p[0]]))),
+        ..STAGE
+    },
+    // A valve that overlaps: to either side, mm, and the lag behind it, s.
+    Known {
+        effect: Effect::DeadBand,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::Overlap, shapes([p[0]]))),
+        ..STAGE
+    },
+    // A flow that saturates smoothly: the opening where it does, mm, and the lag behind it, s.
+    Known {
+        effect: Effect::RateLimit,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::FlowLimit, shapes([p[0]]))),
+        ..STAGE
+    },
+    // A largest flow, inside the lag: the speed at which it ends, mm/s, at gain 1.
+    Known {
+        effect: Effect::RateLimit,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::RateLimit, shapes([p[0]]))),
+        ..STAGE
+    },
+    // Stops: the lower and the upper, mm.
+    Known {
+        effect: Effect::Saturation,
+        stage: Some(|y, p, _| y.iter().map(|y| y.min(p[1]).max(p[0])).collect()),
+        ..STAGE
+    },
+    // Friction of seals against the spring of the oil: what it bends it by and the seals' give, mm, and the lag behind it, s.
+    Known {
+        effect: Effect::CoulombFriction,
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::Seal, shapes([p[0], p[1]]))),
+        ..STAGE
+    },
+    // The same where it falls with speed: its level at rest over that in motion, and the speed, mm/s.
+    Known {
+        effect: Effect::StribeckFriction,
+        stage: Some(|y, p, k| {
+            through_valve(y, k, PartKind::StickySeal, shapes([p[0], p[1], p[2], p[3]]))
+        }),
+        ..STAGE
+    },
+];
+
+/// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
+fn through_valve(y: &[f64], k: &Scales, kind: PartKind, shapes: Shapes) -> Vec<f64> {
+    let known = k.actuator;
+    let plain: Vec<f64> = y
+        .iter()
+        .map(|y| (y - known.offset_mm) / known.gain)
+        .collect();
+    let input = unlagged(&plain, known.lag_s, k.step_s);
+    let path = SignalPath {
+        delay_s: 0.0,
+        lag_s: known.lag_s,
+        parts: vec![Part { kind, shapes }],
+    };
+    let answer = path.valve(&input, k.step_s);
+    let whole = answer.iter().map(|y| known.gain * y + known.offset_mm);
+    whole.collect()
+}

@@ -1,0 +1,379 @@
+//! The parameters of a name, each with its 90 % interval, on condition that the name is right.
+
+use super::element::{Element, Law};
+use super::fit::SpecimenFit;
+use super::track::DECLARED;
+use crate::laws::library::candidate::NamedValue;
+use plant::{Channel, Effect};
+
+/// The displacement over which friction builds up.
+pub const PRESLIDING: &str = "presliding_mm";
+/// The force of friction that slides.
+pub const SLIDING: &str = "force_n";
+/// The force of friction that is there at rest and not where it slides.
+pub const AT_REST: &str = "force_at_rest_n";
+/// What a friction gains with speed.
+pub const GAINED: &str = "force_gained_n";
+/// The speed up to which a force grows that hardly grows beyond it.
+pub const KNEE: &str = "knee_mm_per_s";
+/// The way after which a force has been worn off to 1/e.
+pub const WORN_TRAVEL: &str = "worn_travel_mm";
+/// What a spring gains from a place on.
+pub const STIFFNESS_BEYOND: &str = "stiffness_beyond_n_per_mm";
+/// By how much less a force is around one place.
+pub const PINCHED: &str = "force_pinched_n";
+
+/// The parameters of a name in a fit whose elements `own` belong to it; `declared` are the values before.
+pub fn figures(
+    name: Effect,
+    own: &[usize],
+    fit: &SpecimenFit,
+    declared: &[f64; DECLARED],
+) -> Vec<NamedValue> {
+    let part: Vec<(Element, f64)> = own.iter().map(|&i| fit.elements[i]).collect();
+    let Some(&(first, strength)) = part.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    else {
+        return parameter(name, fit, declared);
+    };
+    let [p, q, r, s] = first.shape;
+    let stiffness = fit.parameters[0];
+    let share = |own: f64| ("hardening_ratio", "", stiffness / (stiffness + own));
+    match name {
+        Effect::CoulombFriction | Effect::StribeckFriction => friction(&part, fit),
+        Effect::BilinearHysteresis if first.law == Law::Slider => {
+            let own = strength / p;
+            let mut all = vec![
+                ("stiffness_n_per_mm", "N/mm", own),
+                ("yield_mm", "mm", p),
+                share(own),
+            ];
+            all.extend(beside(&part, &first));
+            all
+        }
+        Effect::BoucWenHysteresis if first.law == Law::BoucWen => {
+            let own = strength / p;
+            // dF/dx = stiffness (1 - load |F|^n) on the way out, (1 + unload |F|^n) on the way back.
+            let per = strength.abs().powf(-q);
+            let mut all = vec![
+                ("stiffness_n_per_mm", "N/mm", own),
+                ("load_rate", "N^-n", r * per),
+                ("unload_rate", "N^-n", s * per),
+                ("exponent", "", q),
+                share(own),
+            ];
+            all.extend(beside(&part, &first));
+            all
+        }
+        Effect::BilinearHysteresis | Effect::BoucWenHysteresis => yields(&part, &first, fit),
+        Effect::MaxwellDamper if first.law == Law::InSeries => vec![
+            ("stiffness_n_per_mm", "N/mm", strength / p),
+            ("force_at_speed_n", "N", strength),
+            ("speed_mm_per_s", "mm/s", q),
+            ("exponent", "", 1.0 / r),
+        ],
+        Effect::TemperatureGain => vec![
+            ("change", "", strength / stiffness),
+            ("time_constant_s", "s", p),
+        ],
+        _ => by_law(&first, strength, fit),
+    }
+}
+
+/// What a law by itself is told by; its strength first.
+fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
+    let [p, q, r, _] = element.shape;
+    let reference = ("reference_mm", "mm", fit.sizes.x);
+    match element.law {
+        Law::Relaxing => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("relaxation_ms", "ms", 1e3 * p),
+        ],
+        Law::PowerOfSpeed => vec![
+            ("force_at_top_speed_n", "N", strength),
+            ("top_speed_mm_per_s", "mm/s", fit.sizes.v),
+            ("exponent", "", p),
+        ],
+        Law::Saturating => vec![("force_n", "N", strength), (KNEE, "mm/s", p)],
+        Law::SizeOfSpeed => vec![("damping_difference_n_s_per_mm", "N s/mm", 2.0 * strength)],
+        Law::PowerOfPlace => vec![
+            ("stiffness_at_reference_n_per_mm", "N/mm", strength),
+            reference,
+            ("exponent", "", p),
+        ],
+        // From the secant on one side to that on the other.
+        Law::Away => vec![
+            ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
+            ("middle_mm", "mm", p),
+        ],
+        Law::Square => vec![
+            ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
+            reference,
+        ],
+        Law::Beyond if q == 0.0 => vec![
+            (STIFFNESS_BEYOND, "N/mm", strength),
+            ("knee_mm", "mm", p),
+            ("middle_mm", "mm", r),
+        ],
+        Law::Beyond if q > 0.0 => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("above_mm", "mm", p)],
+        Law::Beyond => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("below_mm", "mm", p)],
+        Law::Fatigued => vec![
+            ("travel_mm", "mm", p),
+            ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
+        ],
+        Law::Lessened => vec![
+            ("stiffness_lost_at_reference_n_per_mm", "N/mm", strength),
+            reference,
+            ("exponent", "", p),
+        ],
+        Law::Lost => vec![
+            ("width_mm", "mm", 2.0 * p),
+            ("stiffness_n_per_mm", "N/mm", strength),
+        ],
+        Law::SlippingJoint => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("gap_mm", "mm", q),
+            ("slip_n", "N", strength * p),
+        ],
+        Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
+        Law::Warming => vec![
+            ("stiffness_change_n_per_mm", "N/mm", strength),
+            ("time_constant_s", "s", p),
+        ],
+        Law::Slider
+        | Law::Bristles
+        | Law::Stribeck
+        | Law::BoucWen
+        | Law::Distributed
+        | Law::InSeries
+        | Law::SliderAway
+        | Law::SliderAlong
+        | Law::Worn
+        | Law::Pinched => yields(&[(*element, strength)], element, fit),
+    }
+}
+
+/// What slides at a force of its own, N.
+fn level((element, strength): &(Element, f64)) -> f64 {
+    let [_, n, load, _] = element.shape;
+    match element.law {
+        Law::BoucWen if load > 0.0 => strength * load.powf(-1.0 / n),
+        // They hold more and more with travel, or at one place, and have no force of their own.
+        Law::BoucWen | Law::SliderAway | Law::SliderAlong => 0.0,
+        _ => *strength,
+    }
+}
+
+/// What elements beside the strongest hold where they slide.
+fn beside(part: &[(Element, f64)], first: &Element) -> Option<NamedValue> {
+    let others = part.iter().filter(|(e, _)| e != first);
+    let force: f64 = others.map(level).sum();
+    (force != 0.0).then_some(("force_beside_n", "N", force))
+}
+
+/// Elements that yield: the force of all together, where the strongest yields, and what changes their force.
+fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<NamedValue> {
+    let force: f64 = part.iter().map(level).sum();
+    let mut all = Vec::new();
+    if force != 0.0 {
+        all.push(("force_n", "N", force));
+    }
+    all.extend(changes(part, fit));
+    all.insert(all.len().min(1), ("yield_mm", "mm", first.yields_at()));
+    all
+}
+
+/// What changes the force of elements that slide: the travel, the place, the speed; of the strongest of each law.
+fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
+    let mut all: Vec<NamedValue> = Vec::new();
+    for law in [Law::Worn, Law::Pinched, Law::SliderAway, Law::SliderAlong] {
+        let own = part.iter().filter(|(e, _)| e.law == law);
+        let Some((element, strength)) = own.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else {
+            continue;
+        };
+        let [_, q, r, _] = element.shape;
+        match law {
+            Law::Worn => all.extend([("force_worn_off_n", "N", *strength), (WORN_TRAVEL, "mm", q)]),
+            Law::Pinched => all.extend([
+                (PINCHED, "N", *strength),
+                ("pinch_width_mm", "mm", q),
+                ("pinch_middle_mm", "mm", r),
+            ]),
+            Law::SliderAway => all.extend([
+                ("force_away_n_per_mm", "N/mm", strength / fit.sizes.x),
+                ("away_from_mm", "mm", q),
+            ]),
+            _ => all.extend([
+                ("force_along_n_per_mm", "N/mm", strength / fit.sizes.x),
+                ("along_from_mm", "mm", q),
+            ]),
+        }
+    }
+    all
+}
+
+/// Friction: its force at speed, by how much it is larger at rest, how far it gives before it slides.
+fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
+    let steady = |(e, f): &(Element, f64)| match e.law {
+        Law::Stribeck | Law::SliderAlong | Law::SliderAway => 0.0,
+        Law::PowerOfSpeed => *f,
+        Law::InSeries => f * (fit.sizes.v / e.shape[1]).powf(1.0 / e.shape[2]).min(1.0),
+        _ => *f,
+    };
+    let force: f64 = part.iter().map(steady).sum();
+    let falling: Vec<&(Element, f64)> = part
+        .iter()
+        .filter(|(e, _)| e.law == Law::Stribeck)
+        .collect();
+    let extra: f64 = falling.iter().map(|(_, f)| f).sum();
+    let mut all = Vec::new();
+    // What slides, everywhere; a force that is there at rest alone is called so.
+    if force > 0.0 {
+        all.push((SLIDING, "N", force));
+    } else if extra > 0.0 {
+        all.push((AT_REST, "N", extra));
+    }
+    all.extend(changes(part, fit));
+    if let Some((e, _)) = falling.first() {
+        if force > 0.0 {
+            all.push(("rest_ratio", "", 1.0 + extra / force));
+        }
+        all.push(("stribeck_mm_per_s", "mm/s", e.shape[1]));
+    }
+    let gives = |e: &Element| e.law.slides() && e.yields_at().is_finite();
+    if let Some((e, _)) = part.iter().find(|(e, _)| gives(e)) {
+        all.push((PRESLIDING, "mm", e.yields_at()));
+    }
+    // A force that hardly grows with speed has no give: its smooth reversals are a power of the speed.
+    if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::PowerOfSpeed) {
+        all.push(("exponent", "", e.shape[0]));
+    }
+    if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::InSeries) {
+        all.extend([
+            ("speed_mm_per_s", "mm/s", fit.sizes.v.min(e.shape[1])),
+            ("exponent", "", 1.0 / e.shape[2]),
+        ]);
+    }
+    if let Some((e, gained)) = part.iter().find(|(e, _)| e.law == Law::Saturating) {
+        if part.len() > 1 {
+            all.push((GAINED, "N", *gained));
+        }
+        all.push((KNEE, "mm/s", e.shape[0]));
+    }
+    all
+}
+
+/// A declared parameter that has left its tolerance, as the change that it is.
+fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec<NamedValue> {
+    let Some(i) = Channel::Specimen.parameter_of_error(name) else {
+        return Vec::new();
+    };
+    let p = &Channel::Specimen.parameters()[i];
+    let error = p.error(fit.parameters[i], declared[i]);
+    vec![(p.error_parameter, p.error_unit(), error)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::specimen::track::MotionScales;
+
+    fn fit(elements: Vec<(Element, f64)>) -> SpecimenFit {
+        SpecimenFit {
+            parameters: [100.0, 0.0, 0.0, 0.0],
+            moved: [false; DECLARED],
+            elements,
+            sizes: MotionScales {
+                x: 10.0,
+                middle: 0.0,
+                v: 50.0,
+                seconds: 10.0,
+                interval_s: 1e-3,
+                travel: 300.0,
+            },
+            cutoff_hz: 50.0,
+        }
+    }
+
+    #[test]
+    fn friction_is_read_off_all_of_its_elements() {
+        let both = fit(vec![
+            (Element::new(Law::Slider, [0.02]), 20.0),
+            (Element::new(Law::Stribeck, [0.02, 5.0]), 10.0),
+        ]);
+        let all = figures(Effect::StribeckFriction, &[0, 1], &both, &[0.0; DECLARED]);
+        assert_eq!(all[0], ("force_n", "N", 20.0));
+        assert_eq!(all[1], ("rest_ratio", "", 1.5));
+        assert_eq!(all[3], ("presliding_mm", "mm", 0.02));
+    }
+
+    #[test]
+    fn a_parallel_slider_is_a_bilinear_spring_of_another_first_stiffness() {
+        let one = fit(vec![(Element::new(Law::Slider, [3.0]), 300.0)]);
+        let all = figures(Effect::BilinearHysteresis, &[0], &one, &[0.0; DECLARED]);
+        assert_eq!(all[0].2, 100.0);
+        assert_eq!(all[2], ("hardening_ratio", "", 0.5));
+    }
+
+    #[test]
+    fn a_bearing_that_heats_is_told_by_its_whole_force_and_by_what_wears_off() {
+        let both = fit(vec![
+            (Element::new(Law::Worn, [8.0, 3700.0]), 100.0),
+            (Element::new(Law::Distributed, [10.0]), 50.0),
+        ]);
+        let all = figures(Effect::BoucWenHysteresis, &[0, 1], &both, &[0.0; DECLARED]);
+        let wanted = [
+            ("force_n", "N", 150.0),
+            ("yield_mm", "mm", 8.0),
+            ("force_worn_off_n", "N", 100.0),
+            (WORN_TRAVEL, "mm", 3700.0),
+        ];
+        assert_eq!(all, wanted);
+    }
+
+    #[test]
+    fn every_law_is_told_by_its_shapes_and_none_by_a_number_alone() {
+        for (element, name, shape) in [
+            (
+                Element::new(Law::Saturating, [15.0]),
+                Effect::ViscousDamping,
+                (KNEE, "mm/s", 15.0),
+            ),
+            (
+                Element::new(Law::Beyond, [5.0, 0.0, 1.0]),
+                Effect::Softening,
+                ("knee_mm", "mm", 5.0),
+            ),
+            (
+                Element::new(Law::Beyond, [5.0, -1.0]),
+                Effect::AsymmetricStiffness,
+                ("below_mm", "mm", 5.0),
+            ),
+            (
+                Element::new(Law::Pinched, [1.0, 4.0, 2.0]),
+                Effect::BoucWenHysteresis,
+                ("pinch_width_mm", "mm", 4.0),
+            ),
+            (
+                Element::new(Law::SlippingJoint, [0.5, 3.0]),
+                Effect::SlipGap,
+                ("gap_mm", "mm", 3.0),
+            ),
+            (
+                Element::new(Law::SliderAlong, [0.1, 7.0]),
+                Effect::CoulombFriction,
+                ("along_from_mm", "mm", 7.0),
+            ),
+            (
+                Element::new(Law::BoucWen, [0.2, 2.0, 1.0, 0.5]),
+                Effect::CoulombFriction,
+                (PRESLIDING, "mm", 0.2),
+            ),
+        ] {
+            let one = fit(vec![(element, -40.0)]);
+            let all = figures(name, &[0], &one, &[0.0; DECLARED]);
+            assert!(all.contains(&shape), "{name}: {all:?}");
+            // Its strength comes first: by that it is asked whether it is there at all.
+            assert!(all[0].2.abs() > 0.0, "{name}: {all:?}");
+        }
+    }
+}

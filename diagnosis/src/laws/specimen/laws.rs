@@ -1,0 +1,151 @@
+//! Forces with a memory, over a whole motion. Each begins relaxed.
+
+use crate::numbers::operators::slider;
+use crate::numbers::signals::add_scaled;
+
+/// Yield displacements of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
+/// round, they build up as `1 - 2 exp(-travel / yield_at)`.
+const BRISTLES: [f64; 5] = [0.276, 0.569, 0.871, 1.266, 2.018];
+
+/// Bristles that slip one after the other. Turned round they do as Dahl's (A solid friction model, 1968); unlike his they
+/// hold at rest, where noise would lead his down to no force (Dupont et al., Single state elastoplastic friction models, 2002).
+pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
+    let mut sum = vec![0.0; x.len()];
+    for of_mean in BRISTLES {
+        add_scaled(&mut sum, &slider(x, of_mean * yield_at), 0.2);
+    }
+    sum
+}
+
+/// Five sliders of equal force whose gives are spread evenly up to `most` (Iwan's parallel elements).
+pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
+    let mut sum = vec![0.0; x.len()];
+    for i in 1..=5 {
+        add_scaled(&mut sum, &slider(x, most * f64::from(i) / 5.0), 0.2);
+    }
+    sum
+}
+
+fn power(z: f64, n: f64) -> f64 {
+    if n == 1.0 {
+        z.abs()
+    } else if n == 2.0 {
+        z * z
+    } else {
+        z.abs().powf(n)
+    }
+}
+
+/// Largest force of an element whose rates let it grow, relative to the unit it is written in.
+const MOST: f64 = 50.0;
+
+/// Bouc-Wen: `z' = x' (1 - load |z|^n) / yield_at` on the way out, `x' (1 + unload |z|^n) / yield_at` on the way back.
+pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    let rate = |z: f64, dx: f64| {
+        let sign = if dx * z >= 0.0 { -load } else { unload };
+        dx / yield_at * (1.0 + sign * power(z, n))
+    };
+    let step = |&x: &f64| {
+        let dx = x - last;
+        // The midpoint: an explicit step is off by what a sample moves.
+        let there = z + 0.5 * rate(z, dx);
+        z = (z + rate(there, dx)).clamp(-MOST, MOST);
+        last = x;
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+/// Friction in series with a spring: `z' = (x' - creep |z|^n sign z) / yield_at`, an implicit step.
+pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    let share = interval_s * creep / yield_at;
+    let step = |&x: &f64| {
+        let aim = z + (x - last) / yield_at;
+        last = x;
+        // z + share |z|^n sign z = aim, by Newton from outside, where the function is convex.
+        let size = aim.abs();
+        let mut y = size.min((size / share.max(1e-300)).powf(1.0 / n));
+        for _ in 0..4 {
+            let p = y.powf(n - 1.0);
+            y = (y - (y + share * p * y - size) / (1.0 + share * n * p)).max(0.0);
+        }
+        z = y * aim.signum();
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::operators::relaxed;
+
+    fn sine(n: usize) -> Vec<f64> {
+        (0..n).map(|i| (i as f64 * 0.01).sin()).collect()
+    }
+
+    /// Work over closed cycles, from the second on.
+    fn work(x: &[f64], f: &[f64]) -> f64 {
+        let period = 628;
+        (period..x.len() - 1)
+            .map(|i| 0.5 * (f[i] + f[i + 1]) * (x[i + 1] - x[i]))
+            .sum()
+    }
+
+    #[test]
+    fn every_element_dissipates() {
+        let x = sine(4 * 628);
+        for f in [
+            slider(&x, 0.1),
+            bristles(&x, 0.1),
+            distributed(&x, 0.5),
+            bouc_wen(&x, 0.2, 2.0, 1.0, 1.0),
+            bouc_wen(&x, 1.0, 1.0, -0.3, 1.9),
+            in_series(&x, 0.01, 0.05, 0.5, 5.0),
+            relaxed(&x, 0.3, 0.01),
+        ] {
+            assert!(work(&x, &f) > 0.05, "{}", work(&x, &f));
+        }
+    }
+
+    #[test]
+    fn a_slider_loses_four_times_its_force_times_the_way_that_it_slides() {
+        let x = sine(3 * 628 + 1);
+        let yield_at = 0.1;
+        let cycle = 4.0 * (1.0 - yield_at);
+        assert!((work(&x, &slider(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+        // Bristles of the same give lose the same, as far as they have bent through at the turn.
+        assert!((work(&x, &bristles(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn bristles_turned_round_build_up_exponentially_and_hold_at_rest() {
+        let yield_at = 0.1_f64;
+        let forth = (0..1000).map(|i| 1e-3 * f64::from(i));
+        let back = (0..1000).map(|i| 1.0 - 1e-3 * f64::from(i));
+        let f = bristles(&forth.chain(back).collect::<Vec<_>>(), yield_at);
+        for way in [0.05, 0.1, 0.2, 0.3, 0.6] {
+            let dahl = 2.0 * (-way / yield_at).exp() - 1.0;
+            let own = f[1000 + (1e3 * way) as usize];
+            assert!((own - dahl).abs() < 0.05, "{way}: {own} for {dahl}");
+        }
+        // At rest, with noise of a tenth of the give, they hold: Dahl's would be at no force within a thousand samples.
+        let rest = (0..11_000).map(|i| 0.5 + 0.01 * f64::from((i * 7919) % 11 - 5) / 5.0);
+        let to_rest = (0..500).map(|i| 1e-3 * f64::from(i));
+        let f = bristles(&to_rest.chain(rest).collect::<Vec<_>>(), yield_at);
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let (first, last) = (mean(&f[600..1700]), mean(&f[10_400..]));
+        assert!(first > 0.8 && (last - first).abs() < 1e-6, "{first} {last}");
+    }
+
+    #[test]
+    fn friction_in_series_slides_at_the_speed_of_its_creep() {
+        // At a steady speed v the force is (v / creep)^(1/n).
+        let x: Vec<f64> = (0..20_000).map(|i| 1e-3 * f64::from(i)).collect();
+        let f = in_series(&x, 1e-3, 0.01, 8.0, 3.0);
+        let last = f[f.len() - 1];
+        assert!((last - 0.5).abs() < 1e-3, "{last}");
+    }
+}

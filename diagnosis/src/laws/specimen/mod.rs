@@ -1,0 +1,17 @@
+//! A specimen's motion and what acts on it: the displacement without its noise ([`band`], [`curvature`], [`track`]), the force
+//! of an [`element`] of free strength over it ([`laws`], [`shape`], [`kind`]), and its parameters by name ([`figures`]).
+
+mod band;
+mod curvature;
+pub(crate) mod element;
+pub(crate) mod figures;
+mod fit;
+mod kind;
+mod laws;
+mod shape;
+pub(crate) mod track;
+
+pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
+pub use fit::SpecimenFit;
+pub(crate) use shape::Scale;
+pub use track::DECLARED;

@@ -1,0 +1,94 @@
+//! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
+
+use crate::model::answer::ParameterEstimate;
+use crate::numbers::linear::{dot, gram};
+use nalgebra::{DMatrix, DVector};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Half a two-sided 90 % interval of the normal distribution.
+pub const NINETY: f64 = 1.645;
+/// Length of a block of the bootstrap, s: longer than what is left of a correlation.
+const BLOCK_S: f64 = 0.25;
+/// Lengths of the sandwich's blocks, s.
+const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// Values with their intervals, from how they change with the unknowns and how those vary together; without that they are
+/// not known at all.
+pub fn around(
+    values: Vec<(&'static str, &'static str, f64)>,
+    gradient: &DMatrix<f64>,
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<ParameterEstimate> {
+    let spread = covariance.map(|c| gradient * c * gradient.transpose());
+    let half = |i: usize| {
+        spread
+            .as_ref()
+            .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt())
+    };
+    let with = |(i, (name, unit, value))| (name, unit, value, [value - half(i), value + half(i)]);
+    values.into_iter().enumerate().map(with).collect()
+}
+
+/// Standard deviations of the unknowns of a linear fit from what it leaves, by [`by_segments`] of half a second and more.
+pub fn by_blocks(columns: &[Vec<f64>], left: &[f64], interval_s: f64) -> Vec<f64> {
+    let block = ((BLOCKS_S[1] / interval_s) as usize).max(4);
+    by_segments(columns, left, (left.len() / block).max(4))
+}
+
+/// Standard deviations of the unknowns of a linear fit from how far segments of what it leaves pull it apart; not known at all
+/// where its columns cannot be told apart.
+pub fn by_segments(columns: &[Vec<f64>], left: &[f64], segments: usize) -> Vec<f64> {
+    let n = columns.len();
+    let size: Vec<f64> = columns
+        .iter()
+        .map(|s| dot(s, s).max(f64::MIN_POSITIVE).sqrt())
+        .collect();
+    let whole = gram(columns);
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        whole[(i, j)] / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
+    });
+    let Some(factor) = scaled.cholesky() else {
+        return vec![f64::INFINITY; n];
+    };
+    let inverse = factor.inverse();
+    let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
+    for k in 0..segments {
+        let (a, b) = (k * left.len() / segments, (k + 1) * left.len() / segments);
+        let pull = DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &left[a..b]) / size[i]);
+        pulls += &pull * pull.transpose();
+    }
+    let free = (segments as f64 - n as f64).max(0.5 * segments as f64);
+    let covariance = &inverse * pulls * &inverse * (segments as f64 / free);
+    (0..n)
+        .map(|i| covariance[(i, i)].max(0.0).sqrt() / size[i])
+        .collect()
+}
+
+/// 90 % interval of `rms(before) - rms(after)`, by resampling blocks.
+pub fn improvement(before: &[Vec<f64>], after: &[Vec<f64>], interval_s: f64) -> [f64; 2] {
+    let block = ((BLOCK_S / interval_s) as usize).max(4);
+    let squares = |parts: &[Vec<f64>]| -> Vec<(f64, f64)> {
+        parts
+            .iter()
+            .flat_map(|p| p.chunks(block))
+            .map(|c| (c.iter().map(|x| x * x).sum(), c.len() as f64))
+            .collect()
+    };
+    let (b, a) = (squares(before), squares(after));
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut falls: Vec<f64> = (0..1000)
+        .map(|_| {
+            let (mut before, mut after, mut n) = (0.0, 0.0, 0.0);
+            for _ in 0..b.len() {
+                let i = (rng.next_u64() % b.len() as u64) as usize;
+                before += b[i].0;
+                after += a[i].0;
+                n += b[i].1;
+            }
+            (before / n).sqrt() - (after / n).sqrt()
+        })
+        .collect();
+    falls.sort_by(f64::total_cmp);
+    [falls[50], falls[949]]
+}

@@ -1,0 +1,154 @@
+//! Operators with memory, over a whole segment.
+
+/// Backlash of `width` in all.
+pub fn play(x: &[f64], width: f64) -> Vec<f64> {
+    let half = 0.5 * width;
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at = at.clamp(x - half, x + half);
+            at
+        })
+        .collect()
+}
+
+/// The largest size so far, from a first one on.
+pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
+    x.iter().scan(before, |largest, x| {
+        *largest = x.abs().max(*largest);
+        Some(*largest)
+    })
+}
+
+/// The travel up to each sample, from a first one on.
+pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
+    v.iter().scan(before, move |travel, v| {
+        *travel += interval_s * v.abs();
+        Some(*travel)
+    })
+}
+
+/// Nothing within `width` in all around zero.
+pub fn dead_zone(x: &[f64], width: f64) -> impl Iterator<Item = f64> + '_ {
+    let half = 0.5 * width;
+    x.iter().map(move |x| x - x.clamp(-half, half))
+}
+
+/// What a joint slips that holds up to the deformation `holds` and has a clearance of `gap` in all.
+pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
+    let mut s = 0.0_f64;
+    x.iter()
+        .map(|&x| {
+            s = s.max(x - holds).min(x + holds).clamp(-0.5 * gap, 0.5 * gap);
+            s
+        })
+        .collect()
+}
+
+/// Elastic up to `yield_at`, then it slides with force 1.
+pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = (z + (x - last) / yield_at).clamp(-1.0, 1.0);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Force over stiffness of an elastic-plastic element that yields at `yield_at`.
+pub fn elastic_plastic(x: &[f64], yield_at: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = (z + x - last).clamp(-yield_at, yield_at);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// The same of a Bouc-Wen element, `dz = dx (1 - |z / y|^n (g sign(dx z) + 1 - g))` with the loop shape `g`.
+pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            let dx = x - last;
+            let near = (z / yield_at).abs().powf(sharpness);
+            let loading = if dx * z >= 0.0 {
+                1.0
+            } else {
+                1.0 - 2.0 * loop_shape
+            };
+            z = (z + dx * (1.0 - near * loading)).clamp(-yield_at, yield_at);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Deflection of a spring behind a dashpot: `z' = v - z / tau`.
+pub fn relaxed(x: &[f64], tau_s: f64, interval_s: f64) -> Vec<f64> {
+    let decay = (-interval_s / tau_s).exp();
+    let passed = tau_s / interval_s * (1.0 - decay);
+    let (mut z, mut last) = (0.0, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = z * decay + (x - last) * passed;
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Moves by no more than `most` from sample to sample.
+pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at += (x - at).clamp(-most, most);
+            at
+        })
+        .collect()
+}
+
+/// A first-order lag that acts only on the way down. Samples of `step_s` that are means of a record's, `interval_s` apart,
+/// come as late as the record's own do: the screening of a record sees the lag that is in it.
+pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64, step_s: f64) -> Vec<f64> {
+    // By how much the record's samples are late on a ramp.
+    let late_s = interval_s / (interval_s / lag_s).exp_m1();
+    let share = step_s / (step_s + late_s);
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at = if x >= at { x } else { at + share * (x - at) };
+            at
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::signals::{add_scaled, averaged, rms};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_lag_of_the_way_back_is_the_same_in_means_of_samples() {
+        let (h, every) = (1e-3, 4);
+        let x: Vec<f64> = (0..8000)
+            .map(|i| 10.0 * (TAU * 2.0 * f64::from(i) * h).sin())
+            .collect();
+        let lost = |x: &[f64], step_s: f64| {
+            let mut lag = retract_lag(x, 4e-3, h, step_s);
+            add_scaled(&mut lag, x, -1.0);
+            lag
+        };
+        let whole = averaged(&lost(&x, h), every);
+        let mut thin = lost(&averaged(&x, every), every as f64 * h);
+        add_scaled(&mut thin, &whole, -1.0);
+        let off = rms(&[thin]) / rms(&[whole]);
+        assert!(off < 0.03, "{off}");
+    }
+}

@@ -1,0 +1,140 @@
+//! The mains' hum in the reading of a displacement: it is the sensor's, and the specimen does not move with it.
+//!
+//! It has harmonics, and it swells and wanders with what else hangs on the mains: what one line of one size leaves of it is
+//! taken for motion, and grows with the square of its frequency where a mass feels it.
+
+use super::{PROMINENT, between_bins, without_trend};
+use crate::numbers::linear::{dot, gram};
+use crate::record::recording::Recording;
+use crate::record::spectrum::line_hz;
+use nalgebra::DVector;
+use std::f64::consts::TAU;
+
+/// Where the mains' line may be, Hz.
+pub const MAINS_HZ: [f64; 2] = [44.0, 66.0];
+/// Harmonics that are looked for: transformers and rectifiers make even and odd ones.
+const HARMONICS: usize = 8;
+/// A harmonic is compared with what lies this near to it, Hz.
+const NEAR_HZ: f64 = 6.0;
+/// Half of a window in which a line's size and phase change evenly, s: longer than a cycle, shorter than a swell.
+const HALF_WINDOW_S: f64 = 0.25;
+
+/// A displacement without the hum that it shows at rest.
+pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
+    let lines = lines_at_rest(x, recording);
+    if lines.is_empty() {
+        return x.to_vec();
+    }
+    without(x, recording.interval_s(), &lines)
+}
+
+/// The mains' line and its harmonics that stand in the longest rest, Hz.
+pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
+    let h = recording.interval_s();
+    let at_rest = crate::record::rest::spans(recording);
+    let Some(&(first, end)) = at_rest.iter().max_by_key(|(a, b)| b - a) else {
+        return Vec::new();
+    };
+    let still = without_trend(&x[first..end]);
+    let stands = |[from, to]: [f64; 2]| {
+        let line = line_hz(&still, h, from, to);
+        line.filter(|(_, prominence)| *prominence >= PROMINENT)
+            .map(|(hz, _)| hz)
+    };
+    let Some(at_rest_hz) = stands(MAINS_HZ) else {
+        return Vec::new();
+    };
+    let bin_hz = 1.0 / (still.len() as f64 * h);
+    let near = |found: f64, hz: f64| (found - hz).abs() <= 1.5 * bin_hz;
+    // The whole record tells the frequency better, where the motion does not drown it.
+    let whole = line_hz(x, h, MAINS_HZ[0], MAINS_HZ[1]).filter(|(hz, _)| near(*hz, at_rest_hz));
+    let hz = whole.map_or_else(
+        || between_bins(&still, h, at_rest_hz),
+        |(hz, _)| between_bins(x, h, hz),
+    );
+    let harmonics = (1..=HARMONICS).map(|n| n as f64 * hz);
+    let below = harmonics.filter(|hz| hz * h < 0.45);
+    below
+        .filter(|hz| stands([hz - NEAR_HZ, hz + NEAR_HZ]).is_some_and(|found| near(found, *hz)))
+        .collect()
+}
+
+/// Lines taken off whose sizes and phases change slowly: each window's own, under Hann's windows that overlap by half and add
+/// up to one.
+fn without(x: &[f64], interval_s: f64, lines_hz: &[f64]) -> Vec<f64> {
+    let half = (HALF_WINDOW_S / interval_s).round() as usize;
+    let mut clean = x.to_vec();
+    for centre in (0..x.len() + half).step_by(half) {
+        let (from, end) = (centre.saturating_sub(half), (centre + half).min(x.len()));
+        let place = |i: usize| (i as f64 - centre as f64) / half as f64;
+        let weight = |i: usize| (0.25 * TAU * place(i)).cos();
+        let waves = lines_hz.iter().flat_map(|hz| {
+            [0.0, 0.25]
+                .map(|phase| move |i: usize| (TAU * (hz * i as f64 * interval_s + phase)).sin())
+        });
+        let line: Vec<Vec<f64>> = waves
+            .flat_map(|wave| {
+                let steady = (from..end).map(|i| weight(i) * wave(i));
+                let growing = (from..end).map(|i| weight(i) * place(i) * wave(i));
+                [steady.collect(), growing.collect()]
+            })
+            .collect();
+        // The motion under them is a straight line for all that a window sees of it.
+        let mut all = line.clone();
+        all.push((from..end).map(weight).collect());
+        all.push((from..end).map(|i| weight(i) * place(i)).collect());
+        let part: Vec<f64> = (from..end).map(|i| weight(i) * x[i]).collect();
+        let right = DVector::from_fn(all.len(), |i, _| dot(&all[i], &part));
+        let Some(factor) = gram(&all).cholesky() else {
+            continue;
+        };
+        let sizes = factor.solve(&right);
+        for (column, size) in line.iter().zip(sizes.iter()) {
+            for (i, wave) in (from..end).zip(column) {
+                clean[i] -= size * weight(i) * wave;
+            }
+        }
+    }
+    clean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::signals::rms;
+
+    #[test]
+    fn a_hum_that_swells_is_taken_off_and_the_motion_stays() {
+        let (h, n) = (1e-3, 12_000);
+        let motion = |t: f64| {
+            let into = ((t - 2.0) / 8.0).clamp(0.0, 1.0);
+            10.0 * (0.5 * TAU * into).sin().powi(2) * (TAU * 0.9 * t * t).sin()
+        };
+        let hum = |t: f64| {
+            let swell = 1.0 + 0.1 * (TAU * 0.4 * t).sin();
+            let wave = |n: f64| (TAU * 50.17 * n * t + n).sin();
+            0.3 * swell * (wave(1.0) + 0.2 * wave(2.0) + 0.35 * wave(3.0) + 0.12 * wave(5.0))
+        };
+        let noise = |i: usize| 2e-3 * (((i * 7919) % 1009) as f64 / 504.5 - 1.0);
+        let times: Vec<f64> = (0..n).map(|i| i as f64 * h).collect();
+        let read: Vec<f64> = (0..n)
+            .map(|i| motion(times[i]) + hum(times[i]) + noise(i))
+            .collect();
+        let record = Recording {
+            command_mm: Some(times.iter().map(|t| motion(*t)).collect()),
+            displacement_mm: Some(read.clone()),
+            time_s: times.clone(),
+            ..Recording::default()
+        };
+        let clean = without_hum(&read, &record);
+        let left: Vec<f64> = clean
+            .iter()
+            .zip(&times)
+            .enumerate()
+            .map(|(i, (x, t))| x - motion(*t) - noise(i))
+            .collect();
+        let left = rms(&[left]);
+        // Of 0.23 mm.
+        assert!(left < 3e-3, "{left} mm");
+    }
+}

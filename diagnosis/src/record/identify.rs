@@ -1,0 +1,408 @@
+//! Gain, transport delay, lag and offset of an actuator, from a record of its command and its displacement.
+//!
+//! The answer `gain lag(delay(u)) + offset` is fitted to the displacement by least squares. What is left over is not
+//! white: the actuator is not quite of first order. The intervals are therefore not taken from the residual's size but
+//! from how far segments of the record pull the result apart.
+
+use crate::numbers::signals::{Transfer, deviation, difference, mean, rms};
+use crate::record::recording::Recording;
+use crate::record::refusal::Refusal;
+use nalgebra::{Matrix4, Vector4};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::ops::Range;
+
+/// Longest transport delay, s, and longest lag, s, that are looked for.
+const LONGEST_S: [f64; 2] = [0.1, 0.2];
+/// Coarse steps over each of these.
+const COARSE: usize = 12;
+/// The begin of the record that only settles the model, s; at most a tenth of the record.
+const SETTLE_S: f64 = 0.5;
+/// Segments that the intervals are formed from, and the 95 % point of Student's t for as many.
+const SEGMENTS: usize = 30;
+const T_95: f64 = 1.699;
+/// A fit that leaves more of the displacement's standard deviation than this explains nothing.
+const WORST_NRMSE: f64 = 0.8;
+const ITERATIONS: usize = 40;
+/// Of a record twice as long as so many samples, so many tell where a fit begins.
+const LONG: usize = 200_000;
+
+/// What was found. Intervals hold the true value with 90 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Identified {
+    /// Displacement per command.
+    pub gain: f64,
+    /// Its interval.
+    pub gain_ci90: [f64; 2],
+    /// Transport delay, ms.
+    pub delay_ms: f64,
+    /// Its interval, ms.
+    pub delay_ms_ci90: [f64; 2],
+    /// First-order time constant, ms.
+    pub lag_ms: f64,
+    /// Its interval, ms.
+    pub lag_ms_ci90: [f64; 2],
+    /// Displacement at command 0, mm.
+    pub offset_mm: f64,
+    /// Its interval, mm.
+    pub offset_mm_ci90: [f64; 2],
+    /// rms(measured - model) / std(measured).
+    pub nrmse: f64,
+}
+
+/// Fits an actuator to `recording`.
+///
+/// # Errors
+/// A record that cannot be used: no command or displacement, too short, at rest, or a displacement that does not follow
+/// its command.
+pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
+    recording.check()?;
+    let name = &recording.name;
+    let column = |c: &'_ Option<Vec<f64>>, what: &str| {
+        c.clone().ok_or_else(|| {
+            Refusal::new(format!(
+                "{name}: has no {what}: accepted is a record with the command and the displacement of an actuator"
+            ))
+        })
+    };
+    let command = column(&recording.command_mm, "command")?;
+    let measured = column(&recording.displacement_mm, "displacement")?;
+    let interval_s = recording.interval_s();
+    let settle = ((SETTLE_S / interval_s) as usize).min(measured.len() / 10);
+    let mut judged = vec![true; measured.len() - settle];
+    let unmeasured = recording.unmeasured().into_iter();
+    unmeasured
+        .filter_map(|i| i.checked_sub(settle))
+        .for_each(|i| judged[i] = false);
+    let fit = TransferFit {
+        command: &command,
+        measured: &measured,
+        interval_s,
+        settle,
+        judged,
+    };
+    let [moved, followed] = [&command, &measured].map(|x| deviation(&fit.judged(x)));
+    for (what, mm) in [("command", moved), ("displacement", followed)] {
+        if mm < 1e-9 {
+            return Err(Refusal::new(format!(
+                "{name}: the {what} stands still: accepted is a record in which the actuator moves"
+            )));
+        }
+    }
+    let best = fit.settle_on(fit.liveliest().begin());
+    let residual = fit.residual(&best);
+    let nrmse = rms(std::slice::from_ref(&residual)) / followed;
+    if nrmse.is_nan() || nrmse > WORST_NRMSE {
+        return Err(Refusal::new(format!(
+            "{name}: a model with gain, delay and lag leaves {:.0} % of the displacement: accepted is a displacement \
+             that follows its command",
+            nrmse * 100.0
+        )));
+    }
+    let half = fit.half_widths(&best, &residual);
+    let around = |value: f64, half: f64, unit: f64| [(value - half) * unit, (value + half) * unit];
+    let time = |value: f64, half: f64| {
+        let [low, high] = around(value, half, 1e3);
+        [low.max(0.0), high]
+    };
+    Ok(Identified {
+        gain: best.gain,
+        gain_ci90: around(best.gain, half[0], 1.0),
+        delay_ms: best.delay_s * 1e3,
+        delay_ms_ci90: time(best.delay_s, half[1]),
+        lag_ms: best.lag_s * 1e3,
+        lag_ms_ci90: time(best.lag_s, half[2]),
+        offset_mm: best.offset_mm,
+        offset_mm_ci90: around(best.offset_mm, half[3], 1.0),
+        nrmse,
+    })
+}
+
+struct TransferFit<'a> {
+    command: &'a [f64],
+    measured: &'a [f64],
+    interval_s: f64,
+    settle: usize,
+    /// Whether somebody measured, for each sample behind those.
+    judged: Vec<bool>,
+}
+
+impl TransferFit<'_> {
+    fn residual(&self, model: &Transfer) -> Vec<f64> {
+        let answer = model.answer(self.command, self.interval_s);
+        difference(&self.judged(self.measured), &self.judged(&answer))
+    }
+
+    /// What is judged of a signal.
+    fn judged(&self, whole: &[f64]) -> Vec<f64> {
+        let all = whole[self.settle..].iter().zip(&self.judged);
+        all.filter_map(|(x, judged)| judged.then_some(*x)).collect()
+    }
+
+    /// The model of this delay and lag with the gain and the offset that fit best; and what it leaves, mm^2.
+    fn with(&self, delay_s: f64, lag_s: f64) -> (Transfer, f64) {
+        let unit = Transfer {
+            gain: 1.0,
+            delay_s,
+            lag_s,
+            offset_mm: 0.0,
+        };
+        let x = unit.answer(self.command, self.interval_s);
+        let (x, y) = (self.judged(&x), self.judged(self.measured));
+        let (mean_x, mean_y) = (mean(&x), mean(&y));
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (x, y) in x.iter().zip(&y) {
+            let (x, y) = (x - mean_x, y - mean_y);
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+        }
+        let gain = if xx > 0.0 { xy / xx } else { 0.0 };
+        let model = Transfer {
+            gain,
+            offset_mm: mean_y - gain * mean_x,
+            ..unit
+        };
+        (model, yy - gain * xy)
+    }
+
+    /// Where the command moves most, of a record so long that a part of it tells where to begin.
+    fn liveliest(&self) -> Self {
+        let n = self.measured.len();
+        let parts = (0..n).step_by(LONG).map(|i| i..n.min(i + LONG));
+        let moves = |part: &Range<usize>| deviation(&self.command[part.clone()]);
+        let part = parts.max_by(|a, b| moves(a).total_cmp(&moves(b)));
+        let part = part.filter(|_| n >= 2 * LONG).unwrap_or(0..n);
+        let settle = self.settle.min(part.len() / 10);
+        let judged = part.clone().skip(settle);
+        Self {
+            command: &self.command[part.clone()],
+            measured: &self.measured[part],
+            interval_s: self.interval_s,
+            settle,
+            judged: judged
+                .map(|i| i.checked_sub(self.settle).is_none_or(|i| self.judged[i]))
+                .collect(),
+        }
+    }
+
+    /// The best of a coarse grid.
+    fn begin(&self) -> Transfer {
+        let at = |k: usize, longest: f64| longest * (k as f64 / COARSE as f64).powi(2);
+        let grid = (0..=COARSE).flat_map(|i| (0..=COARSE).map(move |j| (i, j)));
+        let [delay, lag] = LONGEST_S;
+        let best = grid
+            .map(|(i, j)| self.with(at(i, delay), at(j, lag)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or_else(|| self.with(0.0, 0.0).0, |(model, _)| model)
+    }
+
+    /// Levenberg and Marquardt over delay and lag; gain and offset follow.
+    fn settle_on(&self, begin: Transfer) -> Transfer {
+        let (mut best, mut left) = self.with(begin.delay_s, begin.lag_s);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            let (normal, slope) = self.normal(&best);
+            let mut damped = normal;
+            for k in 0..4 {
+                damped[(k, k)] *= 1.0 + damping;
+            }
+            let Some(step) = damped.lu().solve(&slope) else {
+                break;
+            };
+            let delay_s = (best.delay_s + step[1]).max(0.0);
+            let lag_s = (best.lag_s + step[2]).max(0.0);
+            let (next, leaves) = self.with(delay_s, lag_s);
+            if leaves < left {
+                let done = left - leaves < 1e-12 * left;
+                (best, left) = (next, leaves);
+                damping *= 0.1;
+                if done {
+                    break;
+                }
+            } else {
+                damping *= 10.0;
+            }
+            if damping > 1e9 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// What the answer changes by with gain, delay, lag and offset, a sample each.
+    fn slopes(&self, model: &Transfer) -> Vec<Vector4<f64>> {
+        let h = 0.25 * self.interval_s;
+        let answer = |m: Transfer| m.answer(self.command, self.interval_s);
+        // A time cannot be negative: there the difference is taken to one side.
+        let apart = |low: Transfer, high: Transfer, width_s: f64| -> Vec<f64> {
+            let pairs = answer(low).into_iter().zip(answer(high));
+            pairs.map(|(low, high)| (high - low) / width_s).collect()
+        };
+        let (delay_s, lag_s) = (model.delay_s, model.lag_s);
+        let with_delay = |delay_s| Transfer { delay_s, ..*model };
+        let with_lag = |lag_s| Transfer { lag_s, ..*model };
+        let from = (delay_s - h).max(0.0);
+        let by_delay = apart(
+            with_delay(from),
+            with_delay(delay_s + h),
+            delay_s + h - from,
+        );
+        let from = (lag_s - h).max(0.0);
+        let by_lag = apart(with_lag(from), with_lag(lag_s + h), lag_s + h - from);
+        let plain = answer(Transfer {
+            gain: 1.0,
+            offset_mm: 0.0,
+            ..*model
+        });
+        let at = |i: usize| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0);
+        let judged = (self.settle..plain.len()).zip(&self.judged);
+        judged.filter(|(_, j)| **j).map(|(i, _)| at(i)).collect()
+    }
+
+    fn normal(&self, model: &Transfer) -> (Matrix4<f64>, Vector4<f64>) {
+        let residual = self.residual(model);
+        let slopes = self.slopes(model);
+        let mut normal = Matrix4::zeros();
+        let mut slope = Vector4::zeros();
+        for (s, r) in slopes.iter().zip(&residual) {
+            normal += s * s.transpose();
+            slope += s * *r;
+        }
+        (normal, slope)
+    }
+
+    /// Half widths of the intervals: the segments' pulls, each as a whole, in place of independent samples'.
+    fn half_widths(&self, model: &Transfer, residual: &[f64]) -> [f64; 4] {
+        let slopes = self.slopes(model);
+        let normal: Matrix4<f64> = slopes.iter().map(|s| s * s.transpose()).sum();
+        let Some(inverse) = normal.try_inverse() else {
+            return [f64::INFINITY; 4];
+        };
+        let length = slopes.len().div_ceil(SEGMENTS);
+        let pulls: Matrix4<f64> = slopes
+            .chunks(length)
+            .zip(residual.chunks(length))
+            .map(|(s, r)| {
+                let pull: Vector4<f64> = s.iter().zip(r).map(|(s, r)| s * *r).sum();
+                pull * pull.transpose()
+            })
+            .sum();
+        let segments = SEGMENTS as f64;
+        let covariance = inverse * pulls * inverse * (segments / (segments - 4.0));
+        std::array::from_fn(|k| T_95 * covariance[(k, k)].max(0.0).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+
+    const TRUE: Transfer = Transfer {
+        gain: 0.97,
+        delay_s: 0.0056,
+        lag_s: 0.0183,
+        offset_mm: 0.4,
+    };
+
+    /// 20 s of a chirp from 0.2 to 12 Hz at 1 kHz through `model`, with white noise.
+    fn chirp(model: Transfer, noise_mm: f64, seed: u64) -> Recording {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed);
+        let noise = Normal::new(0.0, noise_mm).unwrap();
+        let time_s: Vec<f64> = (0..20_000).map(|i| f64::from(i) * 1e-3).collect();
+        let phase = |t: f64| std::f64::consts::TAU * (0.2 * t + 11.8 * t * t / 40.0);
+        let command: Vec<f64> = time_s.iter().map(|t| 5.0 * phase(*t).sin()).collect();
+        let mut moved = model.answer(&command, 1e-3);
+        moved
+            .iter_mut()
+            .for_each(|x| *x += noise.sample(&mut random));
+        Recording {
+            name: "chirp".into(),
+            time_s,
+            command_mm: Some(command),
+            displacement_mm: Some(moved),
+            force_n: None,
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn without_noise_the_true_values_come_back() {
+        let found = identify(&chirp(TRUE, 0.0, 1)).unwrap();
+        assert!((found.gain - 0.97).abs() < 1e-6, "{found:?}");
+        assert!((found.delay_ms - 5.6).abs() < 1e-3, "{found:?}");
+        assert!((found.lag_ms - 18.3).abs() < 1e-3, "{found:?}");
+        assert!((found.offset_mm - 0.4).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn a_long_record_is_begun_where_it_moves() {
+        let moves = chirp(TRUE, 0.0, 4);
+        // 20 s of motion behind 400 of rest.
+        let rest = 2 * LONG;
+        let behind = |rest_mm: f64, x: &Option<Vec<f64>>| {
+            let rest = vec![rest_mm; rest];
+            Some([&rest[..], x.as_ref().unwrap()].concat())
+        };
+        let n = rest + moves.time_s.len();
+        let long = Recording {
+            time_s: (0..n).map(|i| i as f64 * 1e-3).collect(),
+            command_mm: behind(0.0, &moves.command_mm),
+            displacement_mm: behind(TRUE.offset_mm, &moves.displacement_mm),
+            ..moves
+        };
+        let found = identify(&long).unwrap();
+        assert!((found.delay_ms - 5.6).abs() < 1e-3, "{found:?}");
+        assert!((found.lag_ms - 18.3).abs() < 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn a_pure_delay_has_no_lag() {
+        let pure = Transfer { lag_s: 0.0, ..TRUE };
+        let found = identify(&chirp(pure, 0.01, 2)).unwrap();
+        assert!((found.delay_ms - 5.6).abs() < 0.05, "{found:?}");
+        assert!(
+            found.lag_ms < 0.05 && found.lag_ms_ci90[0] >= 0.0,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn the_intervals_hold_the_true_values_about_as_often_as_they_say() {
+        let runs = 60;
+        let mut held = [0; 4];
+        for seed in 0..runs {
+            let f = identify(&chirp(TRUE, 0.1, seed)).unwrap();
+            for (count, (interval, truth)) in held.iter_mut().zip([
+                (f.gain_ci90, 0.97),
+                (f.delay_ms_ci90, 5.6),
+                (f.lag_ms_ci90, 18.3),
+                (f.offset_mm_ci90, 0.4),
+            ]) {
+                *count += u64::from(interval[0] <= truth && truth <= interval[1]);
+            }
+        }
+        // 90 % of 60 are 54, with a standard deviation of 2.3.
+        assert!(held.iter().all(|h| (46..=runs).contains(h)), "{held:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_fitted_is_refused() {
+        let refused = |change: fn(&mut Recording)| {
+            let mut r = chirp(TRUE, 0.01, 3);
+            change(&mut r);
+            identify(&r).unwrap_err().to_string()
+        };
+        assert!(refused(|r| r.command_mm = None).contains("has no command"));
+        assert!(
+            refused(|r| r.command_mm = Some(vec![1.0; 20_000])).contains("command stands still")
+        );
+        let said = refused(|r| {
+            let shuffled = r.displacement_mm.as_mut().unwrap();
+            shuffled.reverse();
+        });
+        assert!(said.contains("follows its command"), "{said}");
+    }
+}

@@ -1,0 +1,258 @@
+//! A measured displacement without its noise, with its derivatives: what forces depend on.
+
+use crate::numbers::signals::derivative;
+use fourier::Complex;
+use std::f64::consts::{PI, TAU};
+
+/// Displacement, velocity and acceleration, mm, mm/s, mm/s^2.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Displacement.
+    pub x: Vec<f64>,
+    /// Velocity.
+    pub v: Vec<f64>,
+    /// Acceleration.
+    pub a: Vec<f64>,
+}
+
+impl Motion {
+    /// Of a displacement without noise.
+    pub fn of(x: &[f64], interval_s: f64) -> Self {
+        let v = derivative(x, interval_s);
+        let a = derivative(&v, interval_s);
+        Self {
+            x: x.to_vec(),
+            v,
+            a,
+        }
+    }
+}
+
+/// Low-pass without phase and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends
+/// meet with equal slope. `cutoff_hz` is where the amplitude has fallen to a half.
+pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
+    let n = x.len();
+    let pad = (n - 1).min((2.0 / interval_s / cutoff_hz) as usize + 8);
+    let odd = |end: f64, inner: f64| 2.0 * end - inner;
+    let mut series: Vec<f64> = (1..=pad).rev().map(|i| odd(x[0], x[i])).collect();
+    series.extend_from_slice(x);
+    series.extend((1..=pad).map(|i| odd(x[n - 1], x[n - 1 - i])));
+    // A straight line from end to end is taken off, so that the period closes.
+    let m = series.len();
+    let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
+    let mut spectrum: Vec<Complex<f64>> = series
+        .iter()
+        .enumerate()
+        .map(|(i, s)| Complex::new(s - first - slope * i as f64, 0.0))
+        .collect();
+    fourier::forward(m).process(&mut spectrum);
+    let part = |order: i32| -> Vec<f64> {
+        let mut bins = spectrum.clone();
+        for (k, bin) in bins.iter_mut().enumerate() {
+            let signed = if 2 * k <= m {
+                k as f64
+            } else {
+                k as f64 - m as f64
+            };
+            let hz = signed / (m as f64 * interval_s);
+            let omega = Complex::new(0.0, TAU * hz);
+            *bin *= low_pass(hz.abs() / cutoff_hz) * omega.powi(order) / m as f64;
+        }
+        fourier::inverse(m).process(&mut bins);
+        bins[pad..pad + n].iter().map(|c| c.re).collect()
+    };
+    let (mut x, mut v, a) = (part(0), part(1), part(2));
+    for (i, x) in x.iter_mut().enumerate() {
+        *x += first + slope * (i + pad) as f64;
+    }
+    v.iter_mut().for_each(|v| *v += slope / interval_s);
+    Motion { x, v, a }
+}
+
+/// 1 to 0.7 of the cut-off, 0 from 1.3 of it on, a half cosine between: no ringing to speak of.
+fn low_pass(relative: f64) -> f64 {
+    match (relative - 0.7) / 0.6 {
+        r if r <= 0.0 => 1.0,
+        r if r >= 1.0 => 0.0,
+        r => 0.5 * (1.0 + (PI * r).cos()),
+    }
+}
+
+/// The frequency above which `x` is noise of `noise_rms` only, Hz; between 5 Hz and 0.3 of the sampling rate.
+pub fn bandwidth_hz(x: &[f64], interval_s: f64, noise_rms: f64) -> f64 {
+    let (n, rate) = (x.len(), 1.0 / interval_s);
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
+    let mut bins: Vec<Complex<f64>> = (0..n)
+        .map(|i| Complex::new((x[i] - mean) * hann(i), 0.0))
+        .collect();
+    fourier::forward(n).process(&mut bins);
+    // Expected power of white noise in a bin, under the window's mean square of 3/8.
+    let expected = noise_rms * noise_rms * n as f64 * 0.375;
+    let power: Vec<f64> = bins[..n / 2].iter().map(Complex::norm_sqr).collect();
+    let width = (n / 400).max(4);
+    let mut last = 0;
+    for (block, p) in power.chunks(width).enumerate() {
+        if p.iter().sum::<f64>() / p.len() as f64 > 6.0 * expected {
+            last = block + 1;
+        }
+    }
+    let edge = (last * width) as f64 * rate / n as f64;
+    (1.5 * edge).clamp(5.0_f64.min(0.3 * rate), 0.3 * rate)
+}
+
+/// Windows that an averaged periodogram is the mean of.
+const WINDOWS: usize = 30;
+
+/// An averaged periodogram.
+#[derive(Clone, Debug)]
+pub struct Density {
+    /// Power over frequency, unit^2 / Hz, one-sided.
+    pub power: Vec<f64>,
+    /// From one to the next, Hz.
+    pub bin_hz: f64,
+}
+
+impl Density {
+    /// Hann windows that overlap by half, each without its mean; `None` where the record is too short for them.
+    pub fn of(x: &[f64], interval_s: f64) -> Option<Self> {
+        let length = 2 * x.len() / (WINDOWS + 1);
+        if length < 16 {
+            return None;
+        }
+        let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
+        let plan = fourier::forward(length);
+        let mut power = vec![0.0; length / 2];
+        let mut windows = 0.0;
+        for start in (0..=x.len() - length).step_by(length / 2) {
+            let part = &x[start..start + length];
+            let mean = part.iter().sum::<f64>() / length as f64;
+            let mut bins: Vec<Complex<f64>> = part
+                .iter()
+                .enumerate()
+                .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
+                .collect();
+            plan.process(&mut bins);
+            for (sum, bin) in power.iter_mut().zip(&bins) {
+                *sum += bin.norm_sqr();
+            }
+            windows += 1.0;
+        }
+        // The window's mean square is 3/8.
+        let scale = 2.0 * interval_s / (0.375 * length as f64 * windows);
+        power.iter_mut().for_each(|p| *p *= scale);
+        Some(Self {
+            power,
+            bin_hz: 1.0 / (length as f64 * interval_s),
+        })
+    }
+}
+
+/// Power of each bin up to half the rate, under a Hann window.
+pub fn periodogram(x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
+    let mut bins: Vec<Complex<f64>> = x
+        .iter()
+        .enumerate()
+        .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
+        .collect();
+    fourier::forward(n).process(&mut bins);
+    bins[..n / 2].iter().map(Complex::norm_sqr).collect()
+}
+
+/// Share of the speed's power that lies below the band's end.
+const BAND: f64 = 0.9;
+/// What rises less than this above the floor of a reading is its noise.
+const FLOOR: f64 = 6.0;
+/// Power of a converter's steps, over that of an even distribution of its error: holds that lie between two of them have more.
+const STEPS: f64 = 2.0;
+
+/// Where the motion ends: 90 % of the power of its speed lies below, Hz; the noise of its reading is taken off.
+pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
+    let Density { power, bin_hz } = Density::of(x, interval_s)?;
+    let mut upper = power[power.len() / 2..].to_vec();
+    upper.sort_by(f64::total_cmp);
+    let floor = FLOOR * upper[upper.len() / 2];
+    // Nor is it motion above where there is no more power than a converter's steps make; of a ramp these are lines.
+    let steps = crate::record::converter_step::step(x).map_or(0.0, |q| STEPS * q * q / 12.0);
+    let mut above = 0.0;
+    let last = power.iter().rposition(|p| {
+        above += p * bin_hz;
+        above > steps
+    })?;
+    let speed: Vec<f64> = power[..=last]
+        .iter()
+        .enumerate()
+        .map(|(k, p)| if *p > floor { p * (k * k) as f64 } else { 0.0 })
+        .collect();
+    let whole: f64 = speed.iter().sum();
+    let mut below = 0.0;
+    let end = speed.iter().position(|p| {
+        below += p;
+        below >= BAND * whole
+    })?;
+    Some((end + 1) as f64 * bin_hz)
+}
+
+/// Frequency of the strongest line between two frequencies and its power over the median there.
+pub fn line_hz(x: &[f64], interval_s: f64, from_hz: f64, to_hz: f64) -> Option<(f64, f64)> {
+    let n = x.len();
+    let bin_hz = 1.0 / (n as f64 * interval_s);
+    let (first, end) = ((from_hz / bin_hz) as usize, (to_hz / bin_hz) as usize + 1);
+    if end >= n / 2 || end < first + 4 {
+        return None;
+    }
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let mut bins: Vec<Complex<f64>> = x.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
+    fourier::forward(n).process(&mut bins);
+    let power: Vec<f64> = bins[first..end].iter().map(Complex::norm_sqr).collect();
+    let best = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
+    let mut sorted = power.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
+    Some(((first + best) as f64 * bin_hz, power[best] / median))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn derivatives_of_a_sine_are_a_cosine_and_a_sine() {
+        let (dt, w) = (1e-3, TAU * 3.3);
+        let x: Vec<f64> = (0..5000).map(|i| 2.0 + (w * i as f64 * dt).sin()).collect();
+        let m = smooth(&x, dt, 40.0);
+        for i in 300..4700 {
+            let t = w * i as f64 * dt;
+            assert!((m.x[i] - 2.0 - t.sin()).abs() < 1e-4, "{i}");
+            assert!((m.v[i] / w - t.cos()).abs() < 1e-3, "{i}");
+            assert!((m.a[i] / w / w + t.sin()).abs() < 1e-2, "{i}");
+        }
+    }
+
+    #[test]
+    fn bandwidth_and_lines_are_found() {
+        let dt = 1e-3;
+        let mut rng =
+            <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(3);
+        let mut noise = move |_: usize| -> f64 {
+            1e-3 * Distribution::<f64>::sample(&StandardNormal, &mut rng)
+        };
+        let x: Vec<f64> = (0..8000)
+            .map(|i| (TAU * 12.0 * i as f64 * dt).sin() + noise(i))
+            .collect();
+        let edge = bandwidth_hz(&x, dt, 1e-3);
+        assert!((12.0..40.0).contains(&edge), "{edge}");
+        let hum: Vec<f64> = (0..8000)
+            .map(|i| (TAU * 50.3 * i as f64 * dt).sin() + 100.0 * noise(i))
+            .collect();
+        let (hz, prominence) = line_hz(&hum, dt, 45.0, 65.0).unwrap();
+        assert!(
+            (hz - 50.3).abs() < 0.13 && prominence > 50.0,
+            "{hz} {prominence}"
+        );
+    }
+}
