@@ -1,10 +1,11 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams] [--only WORD] [--list] [--evidence | --noise | --settle=N]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
+//! `--worlds` sets each seed three times: in the field, in a laboratory, as a ram.
 //! `--rams` sets rams under their position loops, every second one sound, and says by how much the aims of the field trial are missed.
 //! `--evidence` lists each name that was given for sure, whether it is false, what its model leaves of the error, and its `q`.
 //! `--noise` compares the noise that is stated of the records without a rest with the true one.
@@ -23,18 +24,31 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sit::Sat;
 
+/// Sets the rig of a seed.
+type World = fn(u64) -> Field;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let list = arguments.iter().any(|a| a == "--list");
     let in_laboratories = arguments.iter().any(|a| a == "--devices");
     let in_rams = arguments.iter().any(|a| a == "--rams");
-    let (set, names): (fn(u64) -> Field, Vec<_>) = if in_laboratories {
-        (set_device, devices().collect())
-    } else if in_rams {
-        (set_ram, faults().collect())
+    let in_worlds = arguments.iter().any(|a| a == "--worlds");
+    let worlds: [(World, Vec<_>); 3] = [
+        (set_field, causes().collect()),
+        (set_device, devices().collect()),
+        (set_ram, faults().collect()),
+    ];
+    let one = if in_laboratories {
+        1
     } else {
-        (set_field, causes().collect())
+        2 * usize::from(in_rams)
     };
+    let worlds = if in_worlds {
+        &worlds[..]
+    } else {
+        &worlds[one..=one]
+    };
+    let names: Vec<&str> = worlds.iter().flat_map(|w| w.1.clone()).collect();
     let range = |a: &String| -> Option<Vec<u64>> {
         match a.split_once("..") {
             Some((from, to)) => Some((from.parse().ok()?..to.parse().ok()?).collect()),
@@ -45,6 +59,7 @@ fn main() {
     if seeds.is_empty() {
         seeds = (0..320).collect();
     }
+    let set = worlds[0].0;
     let only = arguments.iter().position(|a| a == "--only");
     if let Some(word) = only.and_then(|at| arguments.get(at + 1)) {
         seeds = seeds
@@ -67,10 +82,14 @@ fn main() {
         settle::all(seeds, wanted, list);
         return;
     }
-    let bar = ProgressBar::new(seeds.len() as u64);
-    let all: Vec<Sat> = seeds
+    let rigs = worlds
+        .iter()
+        .flat_map(|w| seeds.iter().map(|seed| (w.0, *seed)));
+    let rigs: Vec<(World, u64)> = rigs.collect();
+    let bar = ProgressBar::new(rigs.len() as u64);
+    let all: Vec<Sat> = rigs
         .into_par_iter()
-        .map(|seed| sit::answer(set(seed)))
+        .map(|(set, seed)| sit::answer(set(seed)))
         .inspect(|_| bar.inc(1))
         .inspect(|s| {
             if list && !matches!(s.mark, Mark::Right | Mark::Set) {
@@ -83,6 +102,7 @@ fn main() {
     }
     by_cause(&names, &all);
     calibration(&all);
+    reliability(&all);
     let mut aimed: Vec<(&[Aim], &[Figure])> = Vec::new();
     let trial = field_trial(&all);
     if in_rams {
@@ -157,6 +177,38 @@ fn evidence(all: &[Sat]) {
         for v in &s.vouched {
             println!("| {} | {} |", s.id, v.row());
         }
+    }
+}
+
+/// Ends of the classes of stated probabilities.
+const STATED: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
+
+/// Every name that was given a probability, in a set, beside others or for sure: how often it is in the rig.
+fn reliability(all: &[Sat]) {
+    let sure = |s: &Sat| {
+        s.vouched
+            .iter()
+            .map(|v| (1.0 - v.q, !v.is_false))
+            .collect::<Vec<_>>()
+    };
+    let stated: Vec<(f64, bool)> = all
+        .iter()
+        .flat_map(|s| [sure(s), s.open.clone()].concat())
+        .collect();
+    println!("\n| probability stated | names | mean of it | in the rig |\n|---|---|---|---|");
+    for ends in STATED.windows(2) {
+        let own = stated.iter().filter(|s| s.0 > ends[0] && s.0 <= ends[1]);
+        let own: Vec<&(f64, bool)> = own.collect();
+        let n = own.len().max(1) as f64;
+        let mean = own.iter().map(|s| s.0).sum::<f64>() / n;
+        let is = own.iter().filter(|s| s.1).count();
+        println!(
+            "| {} to {} | {} | {mean:.2} | {:.2} |",
+            ends[0],
+            ends[1],
+            own.len(),
+            is as f64 / n
+        );
     }
 }
 

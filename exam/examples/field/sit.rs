@@ -14,6 +14,8 @@ pub struct Sat {
     pub notes: Vec<String>,
     /// Names with a `q`.
     pub vouched: Vec<Vouched>,
+    /// Members of a set, and what may stand beside sure names: each with its probability, and whether it is in the rig.
+    pub open: Vec<(f64, bool)>,
     /// Held-out NRMSE before, after, and the stated floor.
     pub errors: [f64; 3],
     /// User time is that of this thread alone only where one thread works.
@@ -150,13 +152,13 @@ pub fn answer(field: Field) -> Sat {
     let [train, test] = recordings(&field);
     let samples = train.time_s.len();
     let found = diagnosis::diagnose(&model(&field.believed), &[train], &[test], &[]);
-    let (said, vouched, errors, seconds) = match &found {
+    let (said, vouched, open, errors, seconds) = match &found {
         Err(why) => {
             let said = Said {
                 verdict: format!("refused: {why}"),
                 ..Said::default()
             };
-            (said, Vec::new(), [0.0; 3], 0.0)
+            (said, Vec::new(), Vec::new(), [0.0; 3], 0.0)
         }
         Ok(d) => {
             let a = &d.channels[0];
@@ -172,6 +174,8 @@ pub fn answer(field: Field) -> Sat {
                     actuator: matches!(field.believed, Believed::Actuator(_)),
                 })
             });
+            let members = a.members.iter();
+            let open = members.map(|m| (m.probability, field.truth.allows(m.name.name())));
             let unit = a.error_before.test_nrmse / a.error_before.test_rms.max(f64::MIN_POSITIVE);
             let errors = [
                 a.error_before.test_nrmse,
@@ -181,7 +185,7 @@ pub fn answer(field: Field) -> Sat {
             if a.verdict == Verdict::NotAssessed {
                 said.verdict = format!("not assessed: {}", a.notes.join(" "));
             }
-            (said, vouched.collect(), errors, d.seconds)
+            (said, vouched.collect(), open.collect(), errors, d.seconds)
         }
     };
     Sat {
@@ -190,6 +194,7 @@ pub fn answer(field: Field) -> Sat {
         id: field.id,
         said,
         vouched,
+        open,
         notes: found.map_or_else(|_| Vec::new(), |d| notes(&d)),
         errors,
         seconds,
