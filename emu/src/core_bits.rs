@@ -47,6 +47,9 @@ struct Asked {
     priorities: BTreeMap<u16, Option<u8>>,
     /// Every value of BASEPRI that was seen.
     masks: BTreeSet<u8>,
+    /// Bytes among which one is sought, and what it holds now.
+    sought: Vec<u64>,
+    holds: Option<u8>,
 }
 
 /// What is asked of the processor, and what it tells. Clones are of the same processor.
@@ -61,6 +64,26 @@ impl CoreBits {
     /// Turns a bit over before the next instruction.
     pub(crate) fn turn_over(&self, bit: CoreBit) {
         self.asked().turn = Some(bit);
+    }
+
+    /// Turns a bit of a byte of the memory over before the next instruction.
+    pub fn turn_over_byte(&self, address: u64, bit: u32) {
+        self.turn_over(CoreBit::Memory { address, bit });
+    }
+
+    /// Has a byte sought among these.
+    pub fn seek(&self, ranges: impl IntoIterator<Item = Range<u64>>) {
+        self.asked().sought = ranges.into_iter().flatten().collect();
+    }
+
+    /// Before the next instruction it holds this: others are no longer among them.
+    pub fn holds(&self, byte: u8) {
+        self.asked().holds = Some(byte);
+    }
+
+    /// What is left of them.
+    pub fn sought(&self) -> Vec<u64> {
+        self.asked().sought.clone()
     }
 
     /// Where the stack pointer is.
@@ -164,13 +187,26 @@ impl Turned {
 impl Turned {
     /// The emulator itself writes no flash of this chip.
     fn turn_over_memory(&mut self, address: u64, bit: u32) {
+        let byte = self.byte(address);
+        // SAFETY: as `byte` says; nothing runs now.
+        unsafe { *byte ^= 1 << bit };
+        self.inner.ask(Queued::Invalidate(address, address + 1));
+    }
+
+    /// A byte of the memory: `map` was given it, the run has allocated it, and it outlives the processor.
+    fn byte(&self, address: u64) -> *mut u8 {
         let mut mapped = self.mapped.iter();
         let place = mapped.find(|(range, _)| range.contains(&address));
         let (range, host) = place.expect("there is memory at the address");
-        let byte = (host + (address - range.start) as usize) as *mut u8;
-        // SAFETY: `map` was given these bytes, which the run has allocated and which outlive the processor; nothing runs now.
-        unsafe { *byte ^= 1 << bit };
-        self.inner.ask(Queued::Invalidate(address, address + 1));
+        (host + (address - range.start) as usize) as *mut u8
+    }
+
+    /// Of the bytes that are sought those stay that hold this.
+    fn keep(&self, holds: u8) {
+        let mut sought = std::mem::take(&mut self.bits.asked().sought);
+        // SAFETY: as `byte` says; nothing runs now.
+        sought.retain(|address| unsafe { *self.byte(*address) } == holds);
+        self.bits.asked().sought = sought;
     }
 }
 
@@ -179,6 +215,10 @@ impl Processor for Turned {
         let turn = self.bits.asked().turn.take();
         if let Some(bit) = turn {
             self.turn_over(bit);
+        }
+        let holds = self.bits.asked().holds.take();
+        if let Some(holds) = holds {
+            self.keep(holds);
         }
         let ran = self.inner.run(budget, bus);
         let pointer = self.inner.gdb_register(13);
