@@ -4,12 +4,20 @@
 
 mod common;
 
-use common::{command, narrow, refused};
+use common::{command, narrow, refused, root};
 use outerloop_cli::board::desk::MODEL_CYCLES;
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::{Image, Port};
 use serde_json::Value;
+use serialport::{SerialPort, TTYPort};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// What the emulated board cannot show.
-const NOT_SHOWN: usize = 3;
+const NOT_SHOWN: usize = 2;
 
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
@@ -25,10 +33,35 @@ fn four_wires_close_the_loop_behind_external_converters_with_every_bit_proven() 
 }
 
 #[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn the_pages_lines_run_one_test_at_a_serial_port() {
+    for (image, block) in [(Image::Internal, 0), (Image::External, 1)] {
+        as_the_page_says(image, block);
+    }
+}
+
+#[test]
 fn an_image_that_four_wires_make_no_rig_is_refused_in_one_sentence() {
     let line = "board desk --emulated --out desk --image nucleo_f429zi_3";
     let words: Vec<&str> = line.split(' ').collect();
     refused(&words, &["`nucleo_f429zi_3`", "nucleo_f429zi_16"]);
+}
+
+/// A method's cycles beside the model's, which has neither the sample before the step nor the command behind it.
+fn stands_beside_the_model(rows: &[Value], method: &str) {
+    let begins = format!("{method} for");
+    let of_method = |row: &&Value| row["what"].as_str().unwrap().starts_with(&begins);
+    let row = rows.iter().find(of_method).unwrap();
+    let found = row["found"].as_str().unwrap();
+    let number_behind = |words: &str| -> u32 {
+        let (_, behind) = found.split_once(words).expect(found);
+        let digits = behind.split(|letter: char| !letter.is_ascii_digit());
+        digits.into_iter().next().unwrap().parse().expect(found)
+    };
+    let model = number_behind("; the model of the step alone: ");
+    let worst = number_behind("; step ");
+    assert!(MODEL_CYCLES.contains(&(method, model)), "{found}");
+    assert!(worst > model && worst < 4 * model, "{found}");
 }
 
 /// All rows of the desk, on the image that is asked for: whose board has this name, and sensors with this highest code.
@@ -37,7 +70,8 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     let out = folder.path().display().to_string();
     let short = ["--seconds", "0.5", "--duration", "0.5"];
     let mut desk = command(&["board", "desk", "--emulated", "--out", &out]);
-    desk.args(short).args(["--methods", "none,afp,lagrange"]);
+    desk.args(short)
+        .args(["--methods", "none,afp,paper+hydraulic,lagrange"]);
     desk.args(image);
     let (status, said) = narrow::told(desk);
     println!("{said}");
@@ -53,22 +87,14 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     );
     let rows = found["rows"].as_array().unwrap();
     let with = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count();
-    // Two rates, the two methods that the image carries, the whole test, the calibration, eight drills and the reset pin.
-    assert_eq!((with("good"), with("not_done")), (15, NOT_SHOWN), "{text}");
-    assert_eq!(rows.len(), 15 + NOT_SHOWN);
+    // Two rates, the saves, the two methods and the pair that the image carries, the whole test, the calibration, eight drills
+    // and the reset pin.
+    assert_eq!((with("good"), with("not_done")), (17, NOT_SHOWN), "{text}");
+    assert_eq!(rows.len(), 17 + NOT_SHOWN);
 
-    // Each method's cycles beside the model's, which has neither the sample before the step nor the command behind it.
-    let of_afp = |row: &&Value| row["what"].as_str().unwrap().starts_with("afp for");
-    let afp = rows.iter().find(of_afp).unwrap()["found"].as_str().unwrap();
-    let number_behind = |words: &str| -> u32 {
-        let (_, behind) = afp.split_once(words).expect(afp);
-        let digits = behind.split(|letter: char| !letter.is_ascii_digit());
-        digits.into_iter().next().unwrap().parse().expect(afp)
-    };
-    let model = number_behind("; the model of the step alone: ");
-    let worst = number_behind("; step ");
-    assert!(MODEL_CYCLES.contains(&("afp", model)), "{afp}");
-    assert!(worst > model && worst < 4 * model, "{afp}");
+    for method in ["afp", "paper+hydraulic"] {
+        stands_beside_the_model(rows, method);
+    }
 
     let whole = |row: &&Value| row["what"].as_str().unwrap().contains("closed loop");
     let whole = rows.iter().find(whole).unwrap()["found"].as_str().unwrap();
@@ -77,5 +103,94 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     assert!(whole.starts_with("completed") && steps >= 1000, "{whole}");
 
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    assert!(page.contains("15 rows as they have to be, 0 not, 3 not done"));
+    assert!(page.contains("17 rows as they have to be, 0 not, 2 not done"));
+}
+
+/// One test by itself, by the page's own lines and its block of lines for `four-wires.toml`, at a serial port with the emulated board
+/// behind it.
+fn as_the_page_says(image: Image, block: usize) {
+    let page = std::fs::read_to_string(root().join("docs/desk.md")).unwrap();
+    let (_, by_itself) = page.split_once("## One test by itself").unwrap();
+    let copied = by_itself.split("```toml\n").nth(1 + block).unwrap();
+    let (copied, _) = copied.split_once("```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("four-wires.toml"), copied).unwrap();
+    let lines = by_itself
+        .lines()
+        .filter_map(|l| l.strip_prefix("    outerloop "));
+    let lines: Vec<&str> = lines.take(2).collect();
+    assert!(lines[0].starts_with("board calibrate") && lines[1].starts_with("run"));
+
+    let (mut outside, inside) = TTYPort::pair().unwrap();
+    let port = inside.name().unwrap();
+    // It stays as it is set, raw, while somebody has it open; the tool wants it for itself.
+    let _open = File::open(&port).unwrap();
+    drop(inside);
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let board = scope.spawn(|| be_the_board(image, &mut outside, &ended));
+        let ends = Ends(&ended);
+        for line in lines {
+            follow(line, &port, folder.path());
+        }
+        drop(ends);
+        board.join().unwrap();
+    });
+    let written = folder.path().join("four-wires/summary.json");
+    let summary: Value = serde_json::from_str(&std::fs::read_to_string(written).unwrap()).unwrap();
+    let own = &summary["board"];
+    assert_eq!(summary["verdict"], "completed", "{summary}");
+    assert_eq!(
+        (&own["steps_lost"], &own["steps_different"]),
+        (&0.into(), &0.into()),
+        "{own}"
+    );
+    assert!(own["steps_received"].as_u64().unwrap() > 1000, "{own}");
+}
+
+/// The board ends with this, however the lines went.
+struct Ends<'a>(&'a AtomicBool);
+
+impl Drop for Ends<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A line of the page, at this port and in this folder; nobody answers it, and the test is a short one.
+fn follow(line: &str, port: &str, folder: &Path) {
+    let words = line.split(' ').map(|word| match word {
+        "/dev/ttyACM0" => port.to_owned(),
+        "examples/desk.toml" => root().join(word).display().to_string(),
+        word => word.to_owned(),
+    });
+    let words: Vec<String> = words.collect();
+    let mut tool = command(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    if line.starts_with("run") {
+        tool.args(["--yes", "--piston-at", "none", "--duration", "0.5"]);
+    }
+    let output = tool.current_dir(folder).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    let refused = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {said}{refused}");
+    println!("{said}");
+}
+
+/// The emulated board on its desk, by the wall's clock, at a serial port's other end. What nobody reads is lost, as on any line.
+fn be_the_board(image: Image, port: &mut TTYPort, ended: &AtomicBool) {
+    let rig = EmulatedRig {
+        real_time: true,
+        ..EmulatedRig::on_desk(image, None).unwrap()
+    };
+    let mut board = Emulated::start(&rig).unwrap();
+    port.set_timeout(Duration::from_millis(100)).unwrap();
+    let mut bytes = [0; 4096];
+    while !ended.load(Ordering::Relaxed) {
+        if port.bytes_to_read().unwrap() > 0 {
+            let count = port.read(&mut bytes).unwrap();
+            board.write(&bytes[..count]).unwrap();
+        }
+        let count = board.read(&mut bytes).unwrap();
+        let _ = port.write_all(&bytes[..count]);
+    }
 }

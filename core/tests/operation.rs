@@ -357,6 +357,11 @@ fn a_loop_that_has_seen_no_sample_is_not_armed() {
     let mut outer = OuterLoop::<1>::new(Design::new(&table1()).unwrap());
     let unseen = outer.handle(Event::Arm).unwrap_err();
     assert_eq!(unseen.obstacle, Some(Fault::StaleSample));
+    // Nor does it where the converter has not answered yet and shows what it showed somebody else.
+    let mut stale = Sample::new([0.01], [0.0]);
+    stale.fresh = false;
+    outer.step(&stale, &GroundMotion::none());
+    assert_eq!(outer.handle(Event::Arm).unwrap_err(), unseen);
     outer.step(&Sample::new([0.01], [0.0]), &GroundMotion::none());
     assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
     assert_eq!(outer.handle(Event::Stop), Ok(Mode::Idle));

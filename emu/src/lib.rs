@@ -9,7 +9,9 @@
 //!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
-//!  core_bits    the processor, in whose registers and memory a bit can turn over
+//!  processor    the emulator's, with what is around it:
+//!  flash        the array behind the flash's controller
+//!  core_bits    a bit that turns over in its registers and its memory
 //!  flips        bits that turn over by themselves in a running test
 //!  image        the ELF, its sizes and symbols
 //!  gaps         addresses at which the chip has nothing
@@ -20,8 +22,7 @@
 //! The emulator has no lines between timers and converters: the laboratory reads what the image has written into their
 //! registers, starts the conversions at the updates of the sampling timer, and hands commands over at TIM4's compare, only
 //! where the chip would. Every instruction takes the mean of what the chip takes (`nucleo::INSTRUCTIONS_PER_SECOND`): no
-//! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. What is programmed into the
-//! flash is dropped. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
+//! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
 //! watchdog, resets.
 
 #![cfg(feature = "emulator")]
@@ -29,6 +30,7 @@
 pub mod chain;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod core_bits;
+mod flash;
 #[cfg(unix)]
 pub mod flips;
 mod gaps;
@@ -37,6 +39,7 @@ pub mod laboratory;
 pub mod log;
 pub mod nucleo;
 pub mod permission;
+mod processor;
 pub mod registers;
 mod run;
 pub mod servo;

@@ -91,6 +91,8 @@ pub enum InjectedFault {
     SecondSensorFlickers,
     /// The memory of the ground motion reads as ones, each point a NaN.
     LostMotion,
+    /// A bit of the sampling timer's period turns over: at 2 kHz it is more than twice as long, by the timer's own count as well.
+    SlowTimer,
 }
 
 /// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.

@@ -1,6 +1,7 @@
 //! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
 
 use crate::core_bits::CoreBits;
+use crate::processor::with_flash;
 use crate::wire::{BoardEnd, Wire};
 use rigless::machine::armv7m::{Core, Fpu, MpuRegions, Variant};
 use rigless::machine::{Board, Target};
@@ -108,10 +109,7 @@ impl Board for Nucleo {
         };
         let windows = rigless::cpu::armv7m::windows(Mcu::bus(&self.chip));
         let spec = core.spec_with_parts(&windows, Fpu::FpV4Sp, MpuRegions::Eight);
-        let spec = match &self.core_bits {
-            Some(bits) => bits.before(spec),
-            None => spec,
-        };
+        let spec = with_flash(spec, self.core_bits.clone());
         vec![Target::new(MCU, &mut self.chip, spec)]
     }
 }

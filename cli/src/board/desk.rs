@@ -17,7 +17,7 @@ use experiment::trace::Response;
 use link::reply::Identity;
 use link::status::{CrashCause, StartCause, Status, Timing};
 use link::{Calibration, CodeRange, Command};
-use outerloop_core::{Event, Fault, Method, Mode};
+use outerloop_core::{Event, Fault, Method, Mode, Prediction};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -36,7 +36,7 @@ const METHOD_S: f64 = 0.25;
 
 /// Cycles of each method's dearest step by the model of the chip (docs/methods-validation.md), one storey in the laboratory. It
 /// is the loop alone: what the board times has the sample before it and the command behind it in it, too.
-pub const MODEL_CYCLES: [(&str, u32); 18] = [
+pub const MODEL_CYCLES: [(&str, u32); 30] = [
     ("none", 1209),
     ("eq14-unguarded", 1287),
     ("eq14", 1341),
@@ -55,7 +55,28 @@ pub const MODEL_CYCLES: [(&str, u32); 18] = [
     ("hydraulic", 2146),
     ("ahmadizadeh", 2039),
     ("tangent", 1916),
+    ("paper+lagrange", 1982),
+    ("paper+darby", 2156),
+    ("paper+model-prediction", 1689),
+    ("paper+phase-lead", 1681),
+    ("paper+mcs", 1927),
+    ("paper+feedforward-feedback", 1703),
+    ("paper+afp", 1879),
+    ("paper+inverse", 1660),
+    ("paper+adaptive-inverse", 1839),
+    ("paper+ats", 2135),
+    ("paper+amb", 2152),
+    ("paper+hydraulic", 2399),
 ];
+
+/// What the desk rehearses: every method, and `paper` behind each predictor, which are the dearest of all.
+pub fn methods() -> Vec<Method> {
+    let predictors = Prediction::ALL.iter().copied();
+    let pairs = predictors
+        .filter(|p| *p != Prediction::None)
+        .map(|p| Method::Paper.behind(p));
+    Method::ALL.into_iter().chain(pairs).collect()
+}
 
 /// Saves, after which a sector of 128 KiB with slots of 1 KiB has been full once.
 const SAVES: u32 = 130;

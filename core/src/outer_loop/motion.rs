@@ -42,7 +42,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             let moved = *mean + (new - *mean) * (1.0 / 64.0);
             *mean = if moved.is_finite() { moved } else { 0.0 };
         }
-        self.idle_mean_m = Some(idle_mean_m);
+        // What never came says nothing of where the actuator stands: nothing is armed on it.
+        if self.idle_mean_m.is_some() || self.flags & flag::STALE == 0 {
+            self.idle_mean_m = Some(idle_mean_m);
+        }
         idle_mean_m
     }
 

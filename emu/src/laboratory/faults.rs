@@ -5,6 +5,7 @@ use super::pins::{BUTTON, drive, stop_contact};
 use crate::chain::{self, Shown};
 use crate::log::{InjectedFault, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
+use crate::registers::TIM2_ARR;
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Host, Stop};
 use rigless::session::Session;
@@ -16,6 +17,9 @@ const DRILL_MAGIC: u32 = 0x4452_4c00;
 
 /// The data register of the serial interface that the input converter is on.
 const SPI1_DR: u64 = 0x4001_300c;
+
+/// A bit that TIM2's period does not have at 2 kHz: with it 107 536 ticks in place of 42 000.
+const SLOW_BIT: u32 = 16;
 
 /// A burst of noise on the force, as a share of the converter's range to either side.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
@@ -130,6 +134,9 @@ impl Laboratory {
             InjectedFault::LateWord => {
                 let write = Access::new(AccessKind::Write, SPI1_DR, Width::W32, 0);
                 session.access(write.at(stop.instruction_count, stop.at), host);
+            }
+            InjectedFault::SlowTimer => {
+                self.turn_over_register(session, host, stop, TIM2_ARR, SLOW_BIT)
             }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.

@@ -1,7 +1,7 @@
-//! Settings that were saved before the power was off. The emulator drops writes to the flash, so they are placed there.
+//! Settings that are saved, and those that were saved before the power was off.
 
 use crate::desk::{Bench, Desk, codes, config, image};
-use emu::Firmware;
+use emu::{Firmware, InjectedFault, PlannedFault};
 use firmware::station::{FlashRecord, Wiring};
 use link::Calibration;
 use link::command::Command;
@@ -12,6 +12,7 @@ use outerloop_core::{Config, Event, Mode};
 /// Where tests and calibrations are, rows of slots.
 const TESTS: u64 = 0x081c_0000;
 const TEST_SLOT: u64 = 1024;
+const SLOTS: u32 = 128;
 const CALIBRATIONS: u64 = 0x0810_0000;
 
 /// Cycles of a period at 1 and at 2 kHz.
@@ -26,6 +27,85 @@ fn at_1_khz() -> Config {
     let mut config = config();
     config.timing.rate_hz = 1000.0;
     config
+}
+
+/// Longest way of a period from its own length, cycles.
+const PERIOD_OFF_CYCLES: u32 = 100;
+
+/// Power on, with these bytes in the flash. The board's reset comes when it has been armed for a while.
+fn reset_when_armed(left: impl IntoIterator<Item = (u64, Vec<u8>)>) -> Desk {
+    let mut firmware = Firmware::read(image()).unwrap();
+    for (address, bytes) in left {
+        firmware = firmware.with_flash(address, bytes).unwrap();
+    }
+    Desk::with(Bench {
+        firmware: Some(firmware),
+        plan: Some(PlannedFault {
+            after_steps: 100,
+            fault: InjectedFault::Reset,
+        }),
+        ..Bench::default()
+    })
+}
+
+/// Arms the board, and waits until it has been reset.
+fn reset(desk: &mut Desk) {
+    desk.pc.forget_steps();
+    for _ in 0..300 {
+        desk.step();
+    }
+    desk.order(Command::Event(Event::Arm));
+    desk.until_reset();
+}
+
+// proves: command.save
+#[test]
+fn what_is_saved_is_in_force_after_a_reset() {
+    let mut desk = reset_when_armed([]);
+    desk.load();
+    let other = Calibration::over(0.05, 12e3, &codes());
+    desk.order(Command::Calibrate(0, other));
+    desk.order(Command::Save);
+    reset(&mut desk);
+    let status = desk.status();
+    assert!(status.calibrated && status.configured && !status.permit);
+    let Reply::Identity(identity) = desk.ask(Command::Identify) else {
+        panic!("no identity");
+    };
+    assert_eq!(identity.calibration.number(), other.number());
+}
+
+/// The sector that goes on holds what an older program left there: it is erased first, which takes seconds.
+#[test]
+fn a_sector_is_erased_when_the_other_is_full_and_the_board_keeps_its_period() {
+    let full = (0..SLOTS).map(|slot| {
+        let address = TESTS + u64::from(slot) * TEST_SLOT;
+        (address, saved(slot, at_1_khz()))
+    });
+    let other = TESTS + u64::from(SLOTS) * TEST_SLOT;
+    let left = vec![0; SLOTS as usize * TEST_SLOT as usize];
+    let mut desk = reset_when_armed(full.chain([(other, left)]));
+    assert_eq!(desk.status().timing.period_cycles, AT_1_KHZ);
+    desk.load();
+    // The period in which the rate changed is of neither: times count from here on.
+    desk.order(Command::Configure(config()));
+    let before = desk.log().periods;
+    desk.order(Command::Save);
+    let lasted = desk.log().periods - before;
+    let status = desk.status();
+    let timing = status.timing;
+    let (short, long) = (timing.shortest_period_cycles, timing.longest_period_cycles);
+    println!("{short} to {long} cycles, {lasted} periods");
+    // By the data sheet 2 s for 128 KiB, a byte at a time.
+    assert!(lasted > 4000);
+    let off = short.abs_diff(AT_2_KHZ).max(long.abs_diff(AT_2_KHZ));
+    assert!(off <= PERIOD_OFF_CYCLES);
+    assert_eq!((timing.overruns, status.dropped_steps), (0, 0));
+    assert!(!desk.log().permitted.contains(&true));
+    reset(&mut desk);
+    let status = desk.status();
+    assert!(status.configured);
+    assert_eq!(status.timing.period_cycles, AT_2_KHZ);
 }
 
 /// Power on, with these slots filled. Gives whether the board has a test then, and its period.

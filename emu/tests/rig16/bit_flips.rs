@@ -1,8 +1,10 @@
 //! Single bits that turn over in a running test: none is dangerous in a few, and in many hardly any may be.
 
-use crate::desk::image;
-use emu::Firmware;
+use crate::desk::{Bench, Desk, image};
 use emu::flips::{Outcome, Table, Target, Trials, run};
+use emu::{CoreBits, Firmware, LoggedEvent};
+use link::Command;
+use outerloop_core::{Event, Mode};
 
 fn flips(flips: usize, seed: u64, only: Option<Target>) -> Table {
     let firmware = Firmware::read(image()).expect("an image");
@@ -33,4 +35,59 @@ fn bits_of_every_kind_turn_over_and_none_moves_the_piston_beyond_the_plan() {
 fn of_two_thousand_bits_at_most_one_in_five_hundred_is_dangerous() {
     let table = flips(2000, 2, None);
     assert!(table.dangerous() <= 4, "{}", table.dangerous());
+}
+
+/// The board has come to `mode`, and stays there: the byte that the loop keeps it in holds it.
+fn rests(desk: &mut Desk, processor: &CoreBits, mode: Mode) {
+    while desk.step().mode() != Some(mode) {}
+    for _ in 0..40 {
+        desk.step();
+    }
+    processor.holds(mode as u8);
+    for _ in 0..40 {
+        assert_eq!(desk.step().mode(), Some(mode));
+    }
+}
+
+/// The loop's mode is among the bytes that have held each mode in its turn; the others are in the records of the last steps. Where a
+/// bit of it turns over the loop believes that it runs.
+#[test]
+fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
+    let firmware = Firmware::read(image()).expect("an image");
+    let processor = CoreBits::default();
+    // A first test goes into the spare place.
+    let places = ["5SPARE", "7CONTROL"].map(|part| firmware.variable(part).expect("the loop"));
+    processor.seek(places);
+    let mut desk = Desk::with(Bench {
+        firmware: Some(firmware),
+        processor: Some(processor.clone()),
+        ..Bench::default()
+    });
+    desk.load();
+    rests(&mut desk, &processor, Mode::Idle);
+    desk.order(Command::Event(Event::Arm));
+    rests(&mut desk, &processor, Mode::Armed);
+    desk.order(Command::Event(Event::Start));
+    rests(&mut desk, &processor, Mode::Running);
+    desk.order(Command::Event(Event::Hold));
+    rests(&mut desk, &processor, Mode::Holding);
+    desk.order(Command::Event(Event::Stop));
+    rests(&mut desk, &processor, Mode::Finished);
+    desk.order(Command::Event(Event::Clear));
+    rests(&mut desk, &processor, Mode::Idle);
+
+    let before = desk.log().seen.len();
+    let mut runs = false;
+    for address in processor.sought() {
+        // From idle, 0, to running, 2.
+        processor.turn_over_byte(address, 1);
+        for _ in 0..60 {
+            runs |= desk.step().mode() == Some(Mode::Running);
+        }
+    }
+    assert!(runs, "{:x?}", processor.sought());
+    let seen = &desk.log().seen[before..];
+    let rises = seen.iter().any(|(_, s)| *s == LoggedEvent::Permit(true));
+    assert!(!rises, "PERMIT rose, and nobody had armed it");
+    assert!(!desk.status().permit);
 }

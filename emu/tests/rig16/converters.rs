@@ -3,10 +3,11 @@
 #[path = "refused.rs"]
 mod refused;
 
-use crate::desk::{Bench, Desk};
+use crate::desk::{Bench, Desk, config};
 use emu::{InjectedFault, PlannedFault};
 use link::Command;
-use link::reply::Obstacle;
+use link::command::{CommissioningSignal, SignalShape};
+use link::reply::{Obstacle, Reply};
 use outerloop_core::{Event, Fault, Mode};
 use refused::{loaded, refuses, refuses_in_the_middle};
 
@@ -27,6 +28,40 @@ fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
         let stale = Obstacle::Fault(Fault::StaleSample);
         refuses(InjectedFault::StuckData { high }, stale);
     }
+}
+
+/// A new test asks where the actuator stands before samples that do not come have stood against arming for as long as it allows.
+#[test]
+fn a_test_whose_loop_has_seen_no_sample_is_not_armed() {
+    let mut desk = Desk::with(Bench {
+        plan: Some(PlannedFault {
+            after_steps: 0,
+            fault: InjectedFault::StuckData { high: false },
+        }),
+        ..Bench::default()
+    });
+    desk.calibrate();
+    // The board had lost the PC, which has to be gone for a while.
+    desk.pc.forget_steps();
+    for _ in 0..300 {
+        desk.step();
+    }
+    let mut config = config();
+    config.limits.stale_steps = Some(500);
+    desk.order(Command::Configure(config));
+    desk.order(Command::Signal(Some(CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Sine { frequency_hz: 5.0 },
+        amplitude_m: 0.002,
+        seconds: 1.5,
+    })));
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let stale = Some(Obstacle::Fault(Fault::StaleSample));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == stale),
+        "{reply:?}"
+    );
+    assert!(!desk.log().permitted.contains(&true));
 }
 
 #[test]

@@ -363,6 +363,30 @@ fn what_comes_and_goes_trips_though_no_run_of_bad_steps_is_long() {
     }
 }
 
+// proves: fault.deadline_missed by SlowTimer
+#[test]
+fn a_sampling_timer_that_has_become_slow_trips_in_its_first_slow_period() {
+    let plan = run(USUAL, None, 0, &stated());
+    let beyond_m = beyond_in_a_test(USUAL, SlowTimer, PHASES[1], &plan, &stated());
+    assert!(beyond_m <= BEYOND_M, "{beyond_m} m");
+    let mut desk = desk(USUAL, Some(SlowTimer), PHASES[1], 0.0, &stated());
+    desk.order(Command::Event(Event::Arm));
+    while desk.step().mode() != Some(Mode::Armed) {}
+    while desk.step().command_m != 0.0 {}
+    desk.order(Command::Event(Event::Start));
+    for _ in 0..SEEN_STEPS {
+        desk.step();
+    }
+    let status = desk.status();
+    assert_eq!(status.trip.map(|t| t.fault), Some(Fault::DeadlineMissed));
+    assert!(!status.permit);
+    let course = desk.course();
+    let after_us = (course.permit_low_ns - course.fault_ns) / 1000;
+    println!("PERMIT low {after_us} us after it");
+    // The period in which it comes, as it was, and one that is two and a half times as long.
+    assert!(after_us < 2000, "{after_us} us");
+}
+
 #[test]
 fn a_chain_whose_contact_is_not_read_moves_nothing_beyond_the_plan() {
     let unread = [Chain(Contact::Unread)];

@@ -100,7 +100,7 @@ impl Soak {
         if let Some(last) = log.triggers_ns.last() {
             self.now_s = 1e-9 * *last as f64;
         }
-        // The emulator drops what is written into the flash: a board that has been reset has to be calibrated again.
+        // Nothing is saved: a board that has been reset has to be calibrated again.
         if !status.calibrated {
             self.desk.calibrate();
         }

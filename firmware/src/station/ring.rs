@@ -3,7 +3,7 @@
 //! There are two sectors. When one is full the other is erased and goes on, so the last good record is never the one that
 //! is erased: power that fails at any moment costs no more than the saving during which it failed.
 
-use super::settings::FlashRecord;
+use super::settings::{FlashRecord, NUMBERED};
 
 /// Flash as the slots see it.
 pub trait Flash {
@@ -65,27 +65,35 @@ impl<const BYTES: usize> Ring<BYTES> {
         flash.write(slot, &bytes).await && self.read(flash, slot) == bytes
     }
 
+    /// The last of a sector first, and no other one whole that is older: the check sums of a full sector keep the tasks for longer
+    /// than reports of the steps can wait.
+    #[inline(never)] // An image has it once, to load and to save.
     fn newest<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
         let mut newest: Option<(u32, u32, T)> = None;
         for slot in self
             .sectors
             .into_iter()
-            .flat_map(|sector| self.slots(sector))
+            .flat_map(|sector| self.slots(sector).rev())
         {
+            let mut head = [0; NUMBERED];
+            flash.read(slot, &mut head);
+            let sequence = T::sequence(&head);
+            if sequence.is_none() || sequence <= newest.as_ref().map(|(_, last, _)| *last) {
+                continue;
+            }
             let Some((sequence, kept)) = T::decode(&self.read(flash, slot)) else {
                 continue;
             };
-            if newest.as_ref().is_none_or(|(_, last, _)| sequence > *last) {
-                newest = Some((slot, sequence, kept));
-            }
+            newest = Some((slot, sequence, kept));
         }
         newest
     }
 
-    fn slots(&self, sector: u32) -> impl Iterator<Item = u32> + use<BYTES> {
+    fn slots(&self, sector: u32) -> impl DoubleEndedIterator<Item = u32> + use<BYTES> {
         (sector..sector + self.sector_bytes).step_by(self.slot_bytes as usize)
     }
 
+    #[inline(never)] // As `newest`.
     fn read(&self, flash: &impl Flash, slot: u32) -> [u8; BYTES] {
         let mut bytes = [0; BYTES];
         flash.read(slot, &mut bytes);
@@ -102,6 +110,7 @@ mod tests {
     use super::super::settings::{CALIBRATION_BYTES, Wiring};
     use super::*;
     use crate::sim::CODES;
+    use core::cell::Cell;
     use core::pin::pin;
     use core::task::{Context, Poll, Waker};
     use link::Calibration;
@@ -111,10 +120,12 @@ mod tests {
     struct Array {
         bytes: Vec<u8>,
         words_left: usize,
+        bytes_read: Cell<usize>,
     }
 
     impl Flash for Array {
         fn read(&self, offset: u32, bytes: &mut [u8]) {
+            self.bytes_read.update(|read| read + bytes.len());
             bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
         }
 
@@ -175,7 +186,19 @@ mod tests {
         Array {
             bytes: vec![0xff; 1024],
             words_left: usize::MAX,
+            bytes_read: Cell::new(0),
         }
+    }
+
+    #[test]
+    fn of_a_full_sector_one_record_is_read_whole() {
+        let mut flash = blank();
+        for number in 0..8 {
+            assert!(save(&mut flash, number));
+        }
+        flash.bytes_read.set(0);
+        assert_eq!(RING.load(&flash), Some(wiring(7)));
+        assert_eq!(flash.bytes_read.get(), 16 * NUMBERED + CALIBRATION_BYTES);
     }
 
     #[test]

@@ -17,6 +17,8 @@ use link::{CodeRange, VERSION};
 use outerloop_core::Config;
 
 const HEAD: usize = 10;
+/// Kind, version and sequence number.
+pub(super) const NUMBERED: usize = 8;
 const TAIL: usize = 4;
 
 /// Bytes of a slot for a test: head, body, check sum, in whole words.
@@ -52,20 +54,24 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
         Some(slot)
     }
 
+    /// The sequence number that the first bytes of a slot say, [`NUMBERED`] at least; `None` if they are of no such record.
+    fn sequence(slot: &[u8]) -> Option<u32> {
+        let (kind, rest) = slot.split_first_chunk::<4>()?;
+        let sequence = u32::from_le_bytes(*rest.first_chunk()?);
+        (*kind == Self::KIND).then_some(sequence)
+    }
+
     /// From a slot, with its sequence number; `None` if it is empty, damaged, or of another version.
     fn decode(slot: &[u8]) -> Option<(u32, Self)> {
-        let (kind, rest) = slot.split_first_chunk::<4>()?;
-        if *kind != Self::KIND {
-            return None;
-        }
-        let (sequence, rest) = rest.split_first_chunk::<4>()?;
+        let sequence = Self::sequence(slot)?;
+        let (_, rest) = slot.split_at_checked(NUMBERED)?;
         let length = usize::from(u16::from_le_bytes(*rest.first_chunk()?));
         let body = rest.get(2..2 + length)?;
         let sum = u32::from_le_bytes(*rest.get(2 + length..)?.first_chunk()?);
         if checksum(slot.get(..HEAD + length)?.iter().copied()) != sum {
             return None;
         }
-        Some((u32::from_le_bytes(*sequence), Self::from_body(body)?))
+        Some((sequence, Self::from_body(body)?))
     }
 }
 

@@ -4,9 +4,9 @@ use firmware::step_time::CORRECTION_CYCLES;
 use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::dearest::{dearest, dearest_stop, dearest_watched};
 use host_tests::qemu::image::image;
-use outerloop_cli::board::desk::MODEL_CYCLES;
+use outerloop_cli::board::desk::{MODEL_CYCLES, methods};
+use outerloop_core::Method;
 use outerloop_core::watch::{Actions, Corrections};
-use outerloop_core::{Method, Prediction};
 use std::path::Path;
 
 /// From the sample to the command, 25 us at 168 MHz.
@@ -52,10 +52,7 @@ fn cycles_of_a_step_with_every_method() {
     let mut too_long = Vec::new();
     // Of methods by themselves and of pairs, with one storey and with three: name and cycles of those beyond the aim.
     let mut missed: [[Vec<(String, u64)>; 2]; 2] = Default::default();
-    let behind = Prediction::ALL[1..]
-        .iter()
-        .map(|&p| Method::Paper.behind(p));
-    for method in Method::ALL.into_iter().chain(behind) {
+    for method in methods() {
         let costs = [
             dearest::<1>(&image, &code, method),
             dearest::<2>(&image, &code, method),
@@ -79,16 +76,14 @@ fn cycles_of_a_step_with_every_method() {
             beyond(three.cycles, AIM[1])
         );
         let told = MODEL_CYCLES.iter().find(|(name, _)| *name == method.name());
-        assert_eq!(told.is_some(), Method::ALL.contains(&method), "{method}");
-        if let Some((_, cycles)) = told {
-            // What the desk's page has beside the board's own.
-            let off = one.cycles.abs_diff(u64::from(*cycles));
-            assert!(
-                off <= BUILDS,
-                "{method}: {} cycles, {cycles} are told",
-                one.cycles
-            );
-        }
+        // What the desk's page has beside the board's own.
+        let (_, cycles) = told.expect("each is told");
+        let off = one.cycles.abs_diff(u64::from(*cycles));
+        assert!(
+            off <= BUILDS,
+            "{method}: {} cycles, {cycles} are told",
+            one.cycles
+        );
         let pair = usize::from(!Method::ALL.contains(&method));
         for (size, (cost, aim)) in [one, three].into_iter().zip(AIM).enumerate() {
             if cost.cycles > aim {

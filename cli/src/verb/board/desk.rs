@@ -174,14 +174,7 @@ impl Desk {
             desk::idle(&mut board, desk::fastest_hz(own), self.seconds),
             desk::idle(&mut board, 2000, self.seconds),
         ];
-        rows.push(if self.is_emulated() {
-            DeskRow::not_done(
-                "saves until a sector is erased",
-                "not done: the emulator drops what is programmed into the flash",
-            )
-        } else {
-            desk::saves(&mut board)
-        });
+        rows.push(desk::saves(&mut board));
         calibrate(&mut board, desk::calibration(&own.codes))?;
         let (board, tested) = desk::each_method(board, methods);
         rows.extend(tested);
@@ -199,7 +192,7 @@ impl Desk {
 
     fn methods(&self) -> Result<Vec<Method>, Failure> {
         if self.methods.is_empty() {
-            return Ok(Method::ALL.to_vec());
+            return Ok(desk::methods());
         }
         let names = self.methods.iter();
         names.map(|name| experiment::method(name)).collect()
