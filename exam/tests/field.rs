@@ -53,6 +53,14 @@ fn each_cause_once_gets_no_wrong_name_and_no_refusal() {
     let right = count(&all, &[Mark::Right, Mark::Set]);
     assert!(right >= 30, "{right} of {one_each}");
     assert!(all.iter().all(|s| causes().any(|c| c == s.cause)));
+    // Of a set, what is likelier than not is mostly in the rig.
+    let likely: Vec<bool> = all
+        .iter()
+        .flat_map(|s| &s.open)
+        .filter_map(|&(p, is)| (p > 0.5).then_some(is))
+        .collect();
+    let is = likely.iter().filter(|is| **is).count();
+    assert!(5 * is >= 3 * likely.len() && is > 0, "{is} of {likely:?}");
 }
 
 #[test]
