@@ -208,7 +208,12 @@ impl Row {
                 let all = own.movable().iter();
                 all.map(|&(i, scale)| {
                     let log = scale == crate::specimen::Scale::Log;
-                    (i, log, [f64::NEG_INFINITY, f64::INFINITY])
+                    // A place is moved by shares of the motion.
+                    let range = match law {
+                        Law::Beyond if !log => [-sizes.motion.x, sizes.motion.x],
+                        _ => [f64::NEG_INFINITY, f64::INFINITY],
+                    };
+                    (i, log, range)
                 })
                 .collect()
             }

@@ -81,7 +81,7 @@ pub fn figures(
 
 /// What a law by itself is told by; its strength first.
 fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
-    let [p, q, r, _] = element.shape;
+    let [p, q, r, s] = element.shape;
     let reference = ("reference_mm", "mm", fit.sizes.x);
     match element.law {
         Law::Relaxing => vec![
@@ -114,8 +114,14 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("knee_mm", "mm", p),
             ("middle_mm", "mm", r),
         ],
-        Law::Beyond if q > 0.0 => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("above_mm", "mm", p)],
-        Law::Beyond => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("below_mm", "mm", p)],
+        Law::Beyond => {
+            let place = if q > 0.0 { "above_mm" } else { "below_mm" };
+            let mut all = vec![(STIFFNESS_BEYOND, "N/mm", strength), (place, "mm", p)];
+            if s > 0.0 {
+                all.push(("damping_beyond_n_s_per_mm", "N s/mm", strength * s));
+            }
+            all
+        }
         Law::Fatigued => vec![
             ("travel_mm", "mm", p),
             ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
