@@ -184,7 +184,8 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
     let early =
         |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
     let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
-    let only_a_spring = data.is_only_a_spring(&fit);
+    let has_only = |own| data.has_only(&fit, own);
+    let late = data.late_s(&fit).is_some_and(|s| s > 0.0);
     // A filter of a higher order is late, and leads or lags with the square of the frequency, as a mass does.
     let kg_of_a_filter = data
         .late_s(&fit)
@@ -193,7 +194,9 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
     for i in 0..fit.terms.len() {
         let also = match fit.names[i] {
             // Damping and mass, which a clip clips, too, tell it from a spring that gives way.
-            Effect::Saturation if only_a_spring => Some(Effect::Softening),
+            Effect::Saturation if has_only(0) => Some(Effect::Softening),
+            // A dashpot that is late is one behind its brace: only a spring or a mass would tell.
+            Effect::ChannelSkew if late && has_only(1) => Some(Effect::MaxwellDamper),
             Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
             name if name.entry().family == Family::Friction => early,
             _ => None,
