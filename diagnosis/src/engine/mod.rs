@@ -53,6 +53,7 @@ pub use verdict::{Named, Said, UNEXPLAINED};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;
+use row::Row;
 use score::raised;
 use specimen::Term;
 
@@ -83,7 +84,12 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let declared = fits.last()?.clone();
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
-    Some(Found::of(all, declared, noise.told))
+    let mut found = Found::of(all, declared, noise.told);
+    if let Said::Names(n) = &mut found.said {
+        let mut rows = n.model.model.terms.iter().map(|t| &data.rows[t.row]);
+        n.more |= rows.any(Row::has_its_familys_name);
+    }
+    Some(found)
 }
 
 /// The declared model and the leading ones with free functions beside them.

@@ -129,6 +129,11 @@ impl Row {
         }
     }
 
+    /// Whether no name of the list says more of it than its family: beside such a name there is more.
+    pub fn has_its_familys_name(&self) -> bool {
+        matches!(self.form, Form::Element(Law::Recentring))
+    }
+
     /// Its name with a shape and a strength.
     pub fn name(&self, shape: [f64; 4], strength: f64, sizes: &Sizes) -> Effect {
         match self.form {

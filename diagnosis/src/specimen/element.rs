@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::track::{MotionScales, Track};
-use crate::library::operators::{relaxed, slider, slipped, travel};
+use crate::library::operators::{relaxed, returned, slider, slipped, travel};
 use crate::linear::Bound;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,8 @@ pub enum Law {
     Worn,
     /// A slider that is weak around a place [yield displacement mm, width mm, place mm].
     Pinched,
+    /// What a spring loses behind a joint that slips and comes back, a flag [slip mm, share of it at which it is back].
+    Recentring,
     /// A spring behind a joint that slips and then bears [slip mm, clearance in all mm].
     SlippingJoint,
 }
@@ -144,6 +146,7 @@ impl Element {
                 let slips = slipped(x, p, q);
                 x.iter().zip(slips).map(|(x, s)| x - s).collect()
             }
+            Law::Recentring => returned(x, p, q * p).into_iter().map(|s| -s).collect(),
             Law::Pinched => times(slider(x, p), x, &|x| 1.0 - (-((x - r) / q).powi(2)).exp()),
         }
     }

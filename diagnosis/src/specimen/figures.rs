@@ -64,6 +64,7 @@ pub fn figures(
             all.extend(beside(&part, &first));
             all
         }
+        Effect::BoucWenHysteresis if first.law == Law::Recentring => by_law(&first, strength, fit),
         Effect::BilinearHysteresis | Effect::BoucWenHysteresis => yields(&part, &first, fit),
         Effect::MaxwellDamper if first.law == Law::InSeries => vec![
             ("stiffness_n_per_mm", "N/mm", strength / p),
@@ -139,6 +140,11 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("stiffness_n_per_mm", "N/mm", strength),
             ("gap_mm", "mm", q),
             ("slip_n", "N", strength * p),
+        ],
+        Law::Recentring => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("yield_mm", "mm", p),
+            ("back_at_mm", "mm", q * p),
         ],
         Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
         Law::Warming => vec![
@@ -353,6 +359,16 @@ mod tests {
                 Element::new(Law::Beyond, [5.0, -1.0]),
                 Effect::AsymmetricStiffness,
                 ("below_mm", "mm", 5.0),
+            ),
+            (
+                Element::new(Law::Beyond, [5.0, 1.0, 0.0, 0.02]),
+                Effect::AsymmetricStiffness,
+                ("damping_beyond_n_s_per_mm", "N s/mm", -0.8),
+            ),
+            (
+                Element::new(Law::Recentring, [3.0, 0.5]),
+                Effect::BoucWenHysteresis,
+                ("back_at_mm", "mm", 1.5),
             ),
             (
                 Element::new(Law::Pinched, [1.0, 4.0, 2.0]),

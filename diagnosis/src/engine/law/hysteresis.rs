@@ -39,6 +39,10 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         .iter()
         .flat_map(|y| [0.15, 0.4].map(|w| [y * x, w * x, c, 0.0]));
     all.push(Row::element(Law::Pinched, 4.0, pinched));
+    let flags = [0.05, 0.12, 0.25, 0.5]
+        .iter()
+        .flat_map(|slip| [0.3, 0.7].map(|back| [slip * x, back, 0.0, 0.0]));
+    all.push(Row::element(Law::Recentring, 3.0, flags));
     let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();
     all.extend(own);
     // Shares of the declared spring.
