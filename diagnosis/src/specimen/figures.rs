@@ -175,11 +175,16 @@ fn level((element, strength): &(Element, f64)) -> f64 {
     }
 }
 
-/// What elements beside the strongest hold where they slide.
-fn beside(part: &[(Element, f64)], first: &Element) -> Option<NamedValue> {
-    let others = part.iter().filter(|(e, _)| e != first);
-    let force: f64 = others.map(level).sum();
-    (force != 0.0).then_some(("force_beside_n", "N", force))
+/// What elements beside the strongest hold where they slide, and where the strongest of these yields.
+fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
+    let others = || part.iter().filter(|(e, _)| e != first);
+    let force: f64 = others().map(level).sum();
+    let strongest = others().max_by(|a, b| level(a).total_cmp(&level(b)));
+    let both = strongest.filter(|_| force != 0.0).map(|(e, _)| {
+        let yields = ("yield_beside_mm", "mm", e.yields_at());
+        [("force_beside_n", "N", force), yields]
+    });
+    both.into_iter().flatten().collect()
 }
 
 /// Elements that yield: the force of all together, where the strongest yields, and what changes their force.
