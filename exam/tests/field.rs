@@ -90,6 +90,16 @@ fn a_damper_behind_a_brace_at_one_speed_is_no_hysteresis() {
     }
 }
 
+/// Declared by a dashpot alone, which a brace makes late: one that is read late had been named.
+const LATE_DAMPERS: [u64; 2] = [71_087, 72_023];
+
+#[test]
+fn a_damper_behind_a_brace_is_no_late_reading() {
+    for s in LATE_DAMPERS.map(|seed| answer(set_device(seed))) {
+        assert_eq!(s.mark, Mark::Set, "{}: {:?}", s.id, s.said);
+    }
+}
+
 #[test]
 fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let all = all(set_ram, 100..124);

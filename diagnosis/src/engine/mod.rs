@@ -55,6 +55,7 @@ pub use verdict::{Named, Said, UNEXPLAINED};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;
+use row::Row;
 use score::raised;
 use specimen::Term;
 
@@ -85,7 +86,12 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let declared = fits.last()?.clone();
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
-    Some(Found::of(all, declared, noise.told))
+    let mut found = Found::of(all, declared, noise.told);
+    if let Said::Names(n) = &mut found.said {
+        let mut rows = n.model.model.terms.iter().map(|t| &data.rows[t.row]);
+        n.more |= rows.any(Row::has_its_familys_name);
+    }
+    Some(found)
 }
 
 /// The declared model and the leading ones with free functions beside them.
@@ -186,7 +192,8 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
     let early =
         |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
     let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
-    let only_a_spring = data.is_only_a_spring(&fit);
+    let has_only = |own| data.has_only(&fit, own);
+    let late = data.late_s(&fit).is_some_and(|s| s > 0.0);
     // A filter of a higher order is late, and leads or lags with the square of the frequency, as a mass does.
     let kg_of_a_filter = data
         .late_s(&fit)
@@ -195,7 +202,9 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
     for i in 0..fit.terms.len() {
         let also = match fit.names[i] {
             // Damping and mass, which a clip clips, too, tell it from a spring that gives way.
-            Effect::Saturation if only_a_spring => Some(Effect::Softening),
+            Effect::Saturation if has_only(0) => Some(Effect::Softening),
+            // A dashpot that is late is one behind its brace: only a spring or a mass would tell.
+            Effect::ChannelSkew if late && has_only(1) => Some(Effect::MaxwellDamper),
             Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
             name if name.entry().family == Family::Friction => early,
             _ => None,

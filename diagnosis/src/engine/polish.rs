@@ -251,7 +251,7 @@ impl SpecimenData<'_> {
             };
             let [within, _] = self.declared()[i];
             // Alone less damping than declared is noise in a derivative.
-            let low = if i == 1 {
+            let low = if i == 1 && terms.len() == 1 {
                 f64::NEG_INFINITY
             } else {
                 within.low

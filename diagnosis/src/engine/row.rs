@@ -129,6 +129,11 @@ impl Row {
         }
     }
 
+    /// Whether no name of the list says more of it than its family: beside such a name there is more.
+    pub fn has_its_familys_name(&self) -> bool {
+        matches!(self.form, Form::Element(Law::Recentring))
+    }
+
     /// Its name with a shape and a strength.
     pub fn name(&self, shape: [f64; 4], strength: f64, sizes: &Sizes) -> Effect {
         match self.form {
@@ -208,7 +213,12 @@ impl Row {
                 let all = own.movable().iter();
                 all.map(|&(i, scale)| {
                     let log = scale == crate::laws::specimen::Scale::Log;
-                    (i, log, [f64::NEG_INFINITY, f64::INFINITY])
+                    // A place is moved by shares of the motion.
+                    let range = match law {
+                        Law::Beyond if !log => [-sizes.motion.x, sizes.motion.x],
+                        _ => [f64::NEG_INFINITY, f64::INFINITY],
+                    };
+                    (i, log, range)
                 })
                 .collect()
             }

@@ -11,7 +11,7 @@ use super::search::{Atom, DECLARED, Scored, Search};
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
 use crate::numbers::linear::{Bound, dot};
-use crate::numbers::signals::{add_columns, averaged};
+use crate::numbers::signals::{add_columns, add_scaled, averaged};
 use crate::prepare::input;
 use crate::record::recording::Recording;
 use crate::record::rest;
@@ -325,11 +325,13 @@ impl<'a> SpecimenData<'a> {
         late_s(&self.rows, &fit.terms)
     }
 
-    /// Whether the forces of a fit's damping and mass are within the noise.
-    pub fn is_only_a_spring(&self, fit: &SpecimenModelFit) -> bool {
+    /// Whether of the forces of a fit's spring, damping and mass all but one are within the noise.
+    pub fn has_only(&self, fit: &SpecimenModelFit, own: usize) -> bool {
         let columns = self.stacked(Motion::declared);
         let mut other = vec![0.0; self.target.len()];
-        add_columns(&mut other, &columns[1..3], &fit.declared[1..3], 1.0);
+        for i in (0..3).filter(|i| *i != own) {
+            add_scaled(&mut other, &columns[i], fit.declared[i]);
+        }
         dot(&other, &other) <= self.score.noise * other.len() as f64
     }
 

@@ -45,6 +45,18 @@ pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
         .collect()
 }
 
+/// What a joint gives that comes back: it slips beyond `out`, and on the way back the more of it is gone the nearer `back` is.
+pub fn returned(x: &[f64], out: f64, back: f64) -> Vec<f64> {
+    let mut slip = 0.0_f64;
+    let give = |x: &f64| {
+        let beyond = |at: f64| (x.abs() - at).max(0.0).copysign(*x);
+        let [least, most] = [beyond(out), beyond(back)];
+        slip = slip.clamp(least.min(most), least.max(most));
+        slip
+    };
+    x.iter().map(give).collect()
+}
+
 /// Elastic up to `yield_at`, then it slides with force 1.
 pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);

@@ -24,7 +24,12 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let sides = [-0.75, -0.4, 0.0, 0.4, 0.75]
         .iter()
         .flat_map(|place| [-1.0, 1.0].map(|side| [c + place * x, side, 0.0, 0.0]));
-    all.push(Row::element(Law::Beyond, 3.7, sides));
+    // A bumper damps, too: it pushes and never pulls.
+    let damped = sides
+        .clone()
+        .map(|[p, side, ..]| [p, side, 0.0, 0.3 * x / sizes.motion.v]);
+    all.push(Row::element(Law::Beyond, 3.5, damped));
+    all.push(Row::element(Law::Beyond, 3.0, sides));
     // A joint in a part of the structure: the rest of the spring stays as it is.
     let joints = [0.05, 0.12, 0.3]
         .iter()

@@ -8,11 +8,9 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let m = &sizes.motion;
     let (x, v, c) = (m.x, m.v, m.middle);
     let mut all = vec![
-        Row::element(
-            Law::Slider,
-            2.8,
-            over([0.06, 0.1, 0.16, 0.27, 0.42, 0.6, 0.75, 0.9], x),
-        ),
+        // Two rows: a device may yield at two levels.
+        Row::element(Law::Slider, 2.8, over([0.06, 0.1, 0.16], x)),
+        Row::element(Law::Slider, 2.8, over([0.27, 0.42, 0.6, 0.75, 0.9], x)),
         Row::element(Law::Distributed, 3.2, over([0.06, 0.15, 0.3, 0.6], x)),
     ];
     let yields = [0.05, 0.1, 0.2, 0.35, 0.55, 0.8];
@@ -39,6 +37,10 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         .iter()
         .flat_map(|y| [0.15, 0.4].map(|w| [y * x, w * x, c, 0.0]));
     all.push(Row::element(Law::Pinched, 4.0, pinched));
+    let flags = [0.05, 0.12, 0.25, 0.5]
+        .iter()
+        .flat_map(|slip| [0.3, 0.7].map(|back| [slip * x, back, 0.0, 0.0]));
+    all.push(Row::element(Law::Recentring, 3.0, flags));
     let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();
     all.extend(own);
     // Shares of the declared spring.

@@ -3,7 +3,7 @@
 use super::laws;
 use super::track::{MotionScales, Track};
 use crate::numbers::linear::Bound;
-use crate::numbers::operators::{relaxed, slider, slipped, travel};
+use crate::numbers::operators::{relaxed, returned, slider, slipped, travel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,7 +41,8 @@ pub enum Law {
     Away,
     /// `x^2`.
     Square,
-    /// Spring beyond a place on one side [place mm, side], or on both of a middle [gap mm, 0, middle mm].
+    /// Spring beyond a place on one side [place mm, side, 0, time constant s of a dashpot beside it: together they push and never
+    /// pull], or on both of a middle [gap mm, 0, middle mm].
     Beyond,
     /// What a play takes from a spring [half width mm].
     Lost,
@@ -57,6 +58,8 @@ pub enum Law {
     Worn,
     /// A slider that is weak around a place [yield displacement mm, width mm, place mm].
     Pinched,
+    /// What a spring loses behind a joint that slips and comes back, a flag [slip mm, share of it at which it is back].
+    Recentring,
     /// A spring behind a joint that slips and then bears [slip mm, clearance in all mm].
     SlippingJoint,
 }
@@ -126,7 +129,13 @@ impl Element {
             Law::Away => of_x(&|x| (x - p).abs()),
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
-            Law::Beyond => of_x(&|x| q * (q * (x - p)).max(0.0)),
+            Law::Beyond => {
+                let pushes = |(x, v): (&f64, &f64)| match q * (x - p) {
+                    into if into > 0.0 => q * (into + s * q * v).max(0.0),
+                    _ => 0.0,
+                };
+                x.iter().zip(&t.v).map(pushes).collect()
+            }
             Law::Lost => slider(x, p).into_iter().map(|z| -p * z).collect(),
             Law::SliderAway => times(slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
             Law::SliderAlong => times(slider(x, p), x, &|x| (x - q) / sizes.x),
@@ -137,6 +146,7 @@ impl Element {
                 let slips = slipped(x, p, q);
                 x.iter().zip(slips).map(|(x, s)| x - s).collect()
             }
+            Law::Recentring => returned(x, p, q * p).into_iter().map(|s| -s).collect(),
             Law::Pinched => times(slider(x, p), x, &|x| 1.0 - (-((x - r) / q).powi(2)).exp()),
         }
     }
@@ -151,8 +161,8 @@ impl Element {
             | Law::Settling
             | Law::Warming
             | Law::SliderAlong => Bound::FREE,
-            // Softening beyond a gap is a spring that gives way.
-            Law::Beyond => Bound::FREE,
+            // Softening beyond a gap is a spring that gives way; what damps pushes.
+            Law::Beyond if self.shape[3] == 0.0 => Bound::FREE,
             _ => Bound::POSITIVE,
         }
     }

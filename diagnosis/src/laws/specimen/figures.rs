@@ -64,6 +64,7 @@ pub fn figures(
             all.extend(beside(&part, &first));
             all
         }
+        Effect::BoucWenHysteresis if first.law == Law::Recentring => by_law(&first, strength, fit),
         Effect::BilinearHysteresis | Effect::BoucWenHysteresis => yields(&part, &first, fit),
         Effect::MaxwellDamper if first.law == Law::InSeries => vec![
             ("stiffness_n_per_mm", "N/mm", strength / p),
@@ -81,7 +82,7 @@ pub fn figures(
 
 /// What a law by itself is told by; its strength first.
 fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
-    let [p, q, r, _] = element.shape;
+    let [p, q, r, s] = element.shape;
     let reference = ("reference_mm", "mm", fit.sizes.x);
     match element.law {
         Law::Relaxing => vec![
@@ -114,8 +115,14 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("knee_mm", "mm", p),
             ("middle_mm", "mm", r),
         ],
-        Law::Beyond if q > 0.0 => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("above_mm", "mm", p)],
-        Law::Beyond => vec![(STIFFNESS_BEYOND, "N/mm", strength), ("below_mm", "mm", p)],
+        Law::Beyond => {
+            let place = if q > 0.0 { "above_mm" } else { "below_mm" };
+            let mut all = vec![(STIFFNESS_BEYOND, "N/mm", strength), (place, "mm", p)];
+            if s > 0.0 {
+                all.push(("damping_beyond_n_s_per_mm", "N s/mm", strength * s));
+            }
+            all
+        }
         Law::Fatigued => vec![
             ("travel_mm", "mm", p),
             ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
@@ -133,6 +140,11 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("stiffness_n_per_mm", "N/mm", strength),
             ("gap_mm", "mm", q),
             ("slip_n", "N", strength * p),
+        ],
+        Law::Recentring => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("yield_mm", "mm", p),
+            ("back_at_mm", "mm", q * p),
         ],
         Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
         Law::Warming => vec![
@@ -163,11 +175,16 @@ fn level((element, strength): &(Element, f64)) -> f64 {
     }
 }
 
-/// What elements beside the strongest hold where they slide.
-fn beside(part: &[(Element, f64)], first: &Element) -> Option<NamedValue> {
-    let others = part.iter().filter(|(e, _)| e != first);
-    let force: f64 = others.map(level).sum();
-    (force != 0.0).then_some(("force_beside_n", "N", force))
+/// What elements beside the strongest hold where they slide, and where the strongest of these yields.
+fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
+    let others = || part.iter().filter(|(e, _)| e != first);
+    let force: f64 = others().map(level).sum();
+    let strongest = others().max_by(|a, b| level(a).total_cmp(&level(b)));
+    let both = strongest.filter(|_| force != 0.0).map(|(e, _)| {
+        let yields = ("yield_beside_mm", "mm", e.yields_at());
+        [("force_beside_n", "N", force), yields]
+    });
+    both.into_iter().flatten().collect()
 }
 
 /// Elements that yield: the force of all together, where the strongest yields, and what changes their force.
@@ -347,6 +364,16 @@ mod tests {
                 Element::new(Law::Beyond, [5.0, -1.0]),
                 Effect::AsymmetricStiffness,
                 ("below_mm", "mm", 5.0),
+            ),
+            (
+                Element::new(Law::Beyond, [5.0, 1.0, 0.0, 0.02]),
+                Effect::AsymmetricStiffness,
+                ("damping_beyond_n_s_per_mm", "N s/mm", -0.8),
+            ),
+            (
+                Element::new(Law::Recentring, [3.0, 0.5]),
+                Effect::BoucWenHysteresis,
+                ("back_at_mm", "mm", 1.5),
             ),
             (
                 Element::new(Law::Pinched, [1.0, 4.0, 2.0]),

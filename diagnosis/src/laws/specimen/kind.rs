@@ -35,6 +35,7 @@ impl Element {
             | Law::Distributed
             | Law::InSeries
             | Law::Worn
+            | Law::Recentring
             | Law::Pinched => Effect::BoucWenHysteresis,
             Law::PowerOfSpeed if p < EXPONENTS[0] => Effect::CoulombFriction,
             Law::PowerOfSpeed if p < EXPONENTS[1] => Effect::ViscousDamping,

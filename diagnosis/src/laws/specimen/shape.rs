@@ -38,9 +38,13 @@ impl Element {
             Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
             Law::PowerOfPlace => &[(0, Straight)],
             Law::SliderAway | Law::SliderAlong => &[(0, Log)],
-            Law::Worn | Law::Pinched | Law::SlippingJoint => &[(0, Log), (1, Log)],
+            Law::Worn | Law::Pinched | Law::SlippingJoint | Law::Recentring => {
+                &[(0, Log), (1, Log)]
+            }
             Law::Beyond if self.shape[1] == 0.0 => &[(0, Log)],
-            Law::Away | Law::Beyond | Law::Warming => &[],
+            Law::Beyond if self.shape[3] > 0.0 => &[(0, Straight), (3, Log)],
+            Law::Beyond => &[(0, Straight)],
+            Law::Away | Law::Warming => &[],
             Law::Square | Law::SizeOfSpeed => &[],
         }
     }
@@ -83,10 +87,14 @@ impl Element {
                     && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
             }
             Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
+            Law::Recentring => (0.02 * x..0.8 * x).contains(&p) && (0.05..0.95).contains(&q),
             // What holds less is a gap; what bears nowhere, or only where the motion hardly goes, is a slider.
             Law::SlippingJoint => p.min(q) >= 0.02 * x && p + 0.5 * q < 0.65 * x,
-            // A gap to both sides is no narrower than nothing; a contact on one side stands anywhere.
-            Law::Beyond => p.abs() < 1e12 && (q != 0.0 || p >= 0.0),
+            // A gap to both sides is no narrower than nothing; a contact on one side stands where the motion goes to and comes from.
+            Law::Beyond if q == 0.0 => (0.0..1e12).contains(&p),
+            // Less damping is what the corner of a motion without its noise feels.
+            Law::Beyond if s > 0.0 && !(0.05..3.0).contains(&(s * sizes.v / x)) => false,
+            Law::Beyond => (p - sizes.middle).abs() < 0.9 * x,
             Law::Away | Law::Square | Law::SizeOfSpeed => true,
         }
     }
