@@ -87,7 +87,8 @@ impl Element {
                     && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
             }
             Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
-            Law::Recentring => (0.02 * x..0.8 * x).contains(&p) && (0.05..0.95).contains(&q),
+            // What is back at once is a spring that gives way.
+            Law::Recentring => (0.02 * x..0.8 * x).contains(&p) && (0.05..0.8).contains(&q),
             // What holds less is a gap; what bears nowhere, or only where the motion hardly goes, is a slider.
             Law::SlippingJoint => p.min(q) >= 0.02 * x && p + 0.5 * q < 0.65 * x,
             // A gap to both sides is no narrower than nothing; a contact on one side stands where the motion goes to and comes from.
