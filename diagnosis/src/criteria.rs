@@ -14,7 +14,7 @@ pub const REACH: f64 = 3.0;
 
 /// Cut-offs that are tried.
 pub const CUTOFFS: usize = 10;
-/// The lowest, and no cut-off below so many times the band of any span, the held-out one too: its accelerations would be missing.
+/// The lowest, and no cut-off below so many times the band of a span, a held-out one's own too: its accelerations would be missing.
 pub const BAND_ROOM: f64 = 1.3;
 /// The lowest cut-off within this of the best is taken: what it leaves out is noise.
 pub const CUTOFF_ROOM: f64 = 1.03;

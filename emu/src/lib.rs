@@ -22,8 +22,8 @@
 //! The emulator has no lines between timers and converters: the laboratory reads what the image has written into their
 //! registers, starts the conversions at the updates of the sampling timer, and hands commands over at TIM4's compare, only
 //! where the chip would. Every instruction takes the mean of what the chip takes (`nucleo::INSTRUCTIONS_PER_SECOND`): no
-//! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
-//! watchdog, resets.
+//! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. Everything else is the
+//! emulator's model of the chip: clocks, timers, priorities, DMA, serial port, watchdog, resets.
 
 #![cfg(feature = "emulator")]
 

@@ -160,6 +160,7 @@ pub fn actuator(
     let candidates = judged.into_iter().map(|model| Candidate {
         names: model.names(),
         nameless: false,
+        only_family: false,
         evidence: model.evidence,
         model,
     });
@@ -292,13 +293,18 @@ impl<'a, 'b> Search<'a, 'b> {
         Some((atoms(Vec::new(), declared), beam))
     }
 
+    /// The atom of a part.
+    fn atom(&self, part: &Part) -> Option<usize> {
+        let kind = self.kinds.iter().position(|k| *k == part.kind)?;
+        Some(DECLARED + kind)
+    }
+
     /// A set of atoms as a model: parts as they are in another, and one of its own.
     fn model(&self, set: &[usize], from: &PartSet, own: Option<Part>) -> PartSet {
-        let place = |p: &Part| self.kinds.iter().position(|k| *k == p.kind);
         let parts = from.parts.iter().copied().chain(own);
         PartSet {
             parts: parts
-                .filter(|p| place(p).is_some_and(|k| set.contains(&(DECLARED + k))))
+                .filter(|p| self.atom(p).is_some_and(|a| set.contains(&a)))
                 .collect(),
             moved: std::array::from_fn(|i| set.contains(&i)),
         }
@@ -315,10 +321,7 @@ impl<'a, 'b> Search<'a, 'b> {
             }
         }
         best.truncate(if alone { usize::MAX } else { BESIDE });
-        let place = |p: &Part| self.kinds.iter().position(|k| *k == p.kind);
-        let parts = best
-            .iter()
-            .filter_map(|p| Some((DECLARED + place(p)?, Some(*p))));
+        let parts = best.iter().filter_map(|p| Some((self.atom(p)?, Some(*p))));
         (0..DECLARED).map(|i| (i, None)).chain(parts).collect()
     }
 

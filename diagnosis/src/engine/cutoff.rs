@@ -2,7 +2,7 @@
 
 use super::bounded::Equations;
 use super::search::DECLARED;
-use crate::criteria::{BAND_ROOM, BLOCKS, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
+use crate::criteria::{BLOCKS, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
 use crate::laws::specimen::element::{Element, Law};
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan};
 use crate::model::base::Base;
@@ -18,17 +18,12 @@ struct Judged {
     held: f64,
 }
 
-/// Where the displacement of a record is to be cut off that moves faster than those which the laws were chosen by: not inside its band.
-pub fn at_least(hz: f64, span: &UnfilteredSpan) -> f64 {
-    hz.max((BAND_ROOM * span.band_hz()).min(0.5 / span.interval_s()))
-}
-
 /// The lowest cut-off of a ladder whose cross-validated squares are within a few percent of the best; never inside the
 /// band of any span, and none at which the declared model itself drowns in the noise of its derivatives: free parameters
 /// hide that, since a mass that multiplies noise is fitted as none.
 pub fn choose(base: &Base, train: &[UnfilteredSpan]) -> Option<f64> {
     let half_rate = 0.5 / train[0].interval_s();
-    let each = train.iter().map(|s| at_least(0.0, s));
+    let each = train.iter().map(|s| s.past_band_hz(0.0));
     let lowest = each.fold(0.0, f64::max);
     let step = (half_rate / lowest).powf(1.0 / (CUTOFFS - 1) as f64);
     let ladder: Vec<f64> = (0..CUTOFFS).map(|i| lowest * step.powi(i as i32)).collect();

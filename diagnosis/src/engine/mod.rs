@@ -55,7 +55,6 @@ pub use verdict::{Named, Said, UNEXPLAINED};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;
-use row::Row;
 use score::raised;
 use specimen::Term;
 
@@ -86,12 +85,7 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let declared = fits.last()?.clone();
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
-    let mut found = Found::of(all, declared, noise.told);
-    if let Said::Names(n) = &mut found.said {
-        let mut rows = n.model.model.terms.iter().map(|t| &data.rows[t.row]);
-        n.more |= rows.any(Row::has_its_familys_name);
-    }
-    Some(found)
+    Some(Found::of(all, declared, noise.told))
 }
 
 /// The declared model and the leading ones with free functions beside them.
@@ -229,6 +223,10 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
         Candidate {
             names,
             nameless: false,
+            only_family: fit
+                .terms
+                .iter()
+                .any(|t| data.rows[t.row].has_its_familys_name()),
             evidence,
             model: SpecimenModelFit {
                 names: own,

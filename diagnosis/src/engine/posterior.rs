@@ -29,6 +29,8 @@ pub struct Candidate<M, N = Effect> {
     pub names: Vec<N>,
     /// Free functions are beside the names.
     pub nameless: bool,
+    /// A name of it says no more than its family: no name of the list is its own.
+    pub only_family: bool,
     /// What speaks for it.
     pub evidence: Evidence,
     /// The model itself, without free functions.
@@ -171,6 +173,7 @@ mod tests {
         Candidate {
             names: names.to_vec(),
             nameless: false,
+            only_family: false,
             evidence: score.evidence(&[100.0 * (1.0 + left * left); BLOCKS], price),
             model: (),
         }

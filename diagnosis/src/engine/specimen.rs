@@ -294,7 +294,7 @@ impl<'a> SpecimenData<'a> {
     /// What a model answers to a record, N; `None` where a signal is missing.
     pub fn answer(&self, fit: &SpecimenModelFit, record: &Recording) -> Option<Vec<f64>> {
         let span = UnfilteredSpan::new(record)?;
-        let track = span.track(cutoff::at_least(self.cutoff_hz, &span));
+        let track = span.track(span.past_band_hz(self.cutoff_hz));
         let motion = Motion::new(track, self.base);
         let on = fit.specimen();
         let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes, &on);

@@ -122,17 +122,17 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     let near = |c: &&Candidate<M, N>| best.evidence.score() - c.evidence.score() < LACKS;
     let lead = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
     let model = exact.filter(near).unwrap_or(best).clone();
-    let more = model.names.len() > only.len();
+    let others = model.names.len() > only.len();
     let mut beside = posterior.names();
-    beside.retain(|n| more && !only.contains(&n.0) && n.1 >= RIVALS);
+    beside.retain(|n| others && !only.contains(&n.0) && n.1 >= RIVALS);
     beside.truncate(LARGEST_SET.saturating_sub(only.len()));
     let rivals = only.iter().map(|n| rivals(posterior, *n, &only));
     Some(Said::Names(Named {
+        more: others || model.only_family,
         model,
         rivals: rivals.collect(),
         names,
         beside,
-        more,
         lead,
     }))
 }

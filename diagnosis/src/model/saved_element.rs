@@ -24,7 +24,8 @@ pub struct SavedElement {
     /// Top speed of that motion, mm/s: what powers of speed are relative to.
     pub reference_mm_per_s: f64,
     /// Where the displacement was cut off as it was found, Hz: in a record the element acts on the motion below it, since
-    /// a force that is steep at rest makes much of the noise of a speed. A motion without noise needs none.
+    /// a force that is steep at rest makes much of the noise of a speed; or on the whole band of one that moves faster. A motion
+    /// without noise needs none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutoff_hz: Option<f64>,
     /// Whether it acts; what comes nearest where nothing can be vouched for is saved switched off.

@@ -147,6 +147,7 @@ pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
     let candidate = |s: Scored<()>| Candidate {
         names: s.atoms.into_iter().map(Entry).collect(),
         nameless: false,
+        only_family: false,
         evidence: s.evidence,
         model: (),
     };

@@ -2,7 +2,7 @@
 
 use super::band::Band;
 use crate::criteria::specimen::BOTH_SIDES;
-use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
+use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, SEARCHED};
 use crate::numbers::signals::{Signals, averaged, clear, peak};
 use crate::record::recording::{Recording, begins_at_rest, range};
 use crate::record::rest;
@@ -85,15 +85,15 @@ impl<'a> UnfilteredSpan<'a> {
         self.recording.interval_s()
     }
 
-    /// Where the motion's band ends, Hz. The steps of a coarse converter are no white noise: what does not rise above the
-    /// floor of an averaged spectrum is no motion.
+    /// Where the motion's band ends, Hz.
     pub fn band_hz(&self) -> f64 {
         let x = self.recording.displacement_mm.as_deref();
-        let averaged = x.and_then(|x| motion_band_hz(x, self.interval_s()));
-        averaged.map_or_else(
-            || self.band.of_motion_hz(),
-            |hz| hz.min(self.band.of_motion_hz()),
-        )
+        band_hz(&self.band, x.unwrap_or_default(), self.interval_s())
+    }
+
+    /// A cut-off, Hz, raised where it is inside the motion's band.
+    pub fn past_band_hz(&self, cutoff_hz: f64) -> f64 {
+        past(self.band_hz(), cutoff_hz, self.interval_s())
     }
 
     /// The span below a cut-off.
@@ -135,11 +135,30 @@ fn fine(cutoff_hz: f64, interval_s: f64) -> usize {
     (fine as usize).clamp(1, MOST_FINE)
 }
 
+/// Where the band of a motion ends, Hz. The steps of a coarse converter are no white noise: what does not rise above the floor of an
+/// averaged spectrum is no motion.
+fn band_hz(band: &Band, x: &[f64], interval_s: f64) -> f64 {
+    let averaged = motion_band_hz(x, interval_s).unwrap_or(f64::INFINITY);
+    averaged.min(band.of_motion_hz())
+}
+
+/// A cut-off that is not inside the band of a motion: its accelerations would be missing.
+fn past(band_hz: f64, cutoff_hz: f64, interval_s: f64) -> f64 {
+    cutoff_hz.max((BAND_ROOM * band_hz).min(0.5 / interval_s))
+}
+
 impl Track {
-    /// The motion of a channel's signals below a cut-off, from their first sample on, for a force that is known.
+    /// The motion of a channel's signals below a cut-off, which is raised where they move faster than it lets through, from their first
+    /// sample on, for a force that is known.
     pub fn below(s: &Signals, cutoff_hz: f64) -> Self {
+        let band = Band::new(&s.reading, s.interval_s);
+        let cutoff_hz = past(
+            band_hz(&band, &s.reading, s.interval_s),
+            cutoff_hz,
+            s.interval_s,
+        );
         let fine = fine(cutoff_hz, s.interval_s);
-        let motion = Band::new(&s.reading, s.interval_s).motion(cutoff_hz, fine);
+        let motion = band.motion(cutoff_hz, fine);
         Self {
             interval_s: s.interval_s / fine as f64,
             fine,
