@@ -92,7 +92,7 @@ fn a_contact_stands_where_it_stands_and_is_no_offset() {
 #[test]
 fn a_flag_is_a_part_by_its_family() {
     let m = Moved::shaken(PEAK, 0.4);
-    let a = beside_a_spring(&m, &forces::flag(&m, 2000.0, [6000.0, 2000.0], 0.04), 2e-3);
+    let a = beside_a_spring(&m, &forces::flag(&m, 2000.0, [6000.0, 2000.0], 0.04), 8e-3);
     // The list has no name for a loop that comes back.
     assert_eq!(a.verdict, Verdict::Partial, "{}", said(&a));
     let name = Effect::BoucWenHysteresis;

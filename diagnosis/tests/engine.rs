@@ -109,6 +109,36 @@ fn other_held_out_data_change_the_error_and_not_the_names() {
     }
 }
 
+/// A record of a rig that is so many times as large in all that it moves and holds.
+fn enlarged(r: &Recording, times: f64) -> Recording {
+    let of = |x: &Vec<f64>| x.iter().map(|x| times * x).collect();
+    Recording {
+        command_mm: r.command_mm.as_ref().map(of),
+        displacement_mm: r.displacement_mm.as_ref().map(of),
+        force_n: r.force_n.as_ref().map(of),
+        ..r.clone()
+    }
+}
+
+/// The same friction in fifteen times the motion is two thousandths of the force, which no load cell would show.
+#[test]
+fn what_shows_in_the_training_record_is_named_whatever_share_of_a_held_out_one_it_is() {
+    let rubs = |force_n, presliding_mm| {
+        let own = [("force_n", force_n), ("presliding_mm", presliding_mm)];
+        [EffectSpec::new(Effect::CoulombFriction, &own)]
+    };
+    let truth = [1003.0, 5.1, 22.2];
+    // Without their rests: these would tell the noise, and a sure name stands beside that.
+    let train = part(&rig::record(&rubs(150.0, 0.05), truth, 51), 3.0..19.0);
+    let large = part(&rig::record(&rubs(10.0, 0.0033), truth, 52), 3.0..19.0);
+    let answer = specimen(&train, &enlarged(&large, 15.0));
+    assert!(answer.error_before.train_nrmse > 0.01);
+    assert!(answer.error_before.test_nrmse < 0.005);
+    let set = answer.members.iter().map(|m| m.name);
+    let all: Vec<Effect> = names(&answer).into_iter().chain(set).collect();
+    assert!(all.contains(&Effect::CoulombFriction), "{all:?}");
+}
+
 #[test]
 fn held_out_data_that_have_died_down_to_the_noise_take_no_name_back() {
     let hardening = EffectSpec::new(
