@@ -94,19 +94,24 @@ impl SpecimenData<'_> {
     pub fn read_where_it_slides(&self, fit: &SpecimenModelFit) -> Option<SpecimenModelFit> {
         let rubs = |t: &usize| fit.names[*t] == Effect::CoulombFriction;
         let own: Vec<usize> = (0..fit.terms.len()).filter(rubs).collect();
-        let yields = own
-            .iter()
-            .filter_map(|&t| match self.rows[fit.terms[t].row].form {
-                Form::Element(law) if law.slides() => {
-                    let shape = fit.terms[t].shape;
-                    Some(Element { law, shape }.yields_at())
-                }
-                _ => None,
-            });
+        let yields_at = |t: usize| match self.rows[fit.terms[t].row].form {
+            Form::Element(law) if law.slides() => {
+                let shape = fit.terms[t].shape;
+                Some(Element { law, shape }.yields_at())
+            }
+            _ => None,
+        };
+        let yields = own.iter().filter_map(|&t| yields_at(t));
         let yield_mm = yields.fold(0.0, f64::max);
         if yield_mm == 0.0 {
             return None;
         }
+        // What else slides is the same force as friction far from a reversal: it keeps what all samples say of it.
+        let moves = |f: &Freedom| match f.unknown {
+            Unknown::Shape(..) => false,
+            Unknown::Strength(t, _) => own.contains(&t) || yields_at(t).is_none(),
+            Unknown::Declared(_) => true,
+        };
         let reading = agreeing(yield_mm, |travel_mm| {
             let sure = self.far_from_reversals(travel_mm);
             let stay = sure.iter().filter(|s| **s).count() as f64;
@@ -117,7 +122,7 @@ impl SpecimenData<'_> {
                 left_out_mm: Some(travel_mm),
                 ..fit.clone()
             };
-            let there = self.settled_by(there, |f| !matches!(f.unknown, Unknown::Shape(..)));
+            let there = self.settled_by(there, moves);
             let strength = own.iter().map(|&t| there.strengths[t][0]).sum();
             let error = self.error_of(&there, &own);
             Some((there, strength, error))
@@ -148,7 +153,79 @@ impl SpecimenData<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::row::Row;
+    use super::super::score::Evidence;
+    use super::super::specimen::Term;
     use super::*;
+    use crate::laws::specimen::element::Law;
+    use crate::model::base::Base;
+    use crate::model::{Declared, Model, SpecimenModel};
+    use crate::record::recording::Recording;
+    use plant::Channel;
+    use std::f64::consts::PI;
+
+    /// Friction that builds up over millimetres, 9.2 kN, along a sine of 25 mm and 0.5 Hz.
+    fn brake() -> Recording {
+        let time_s: Vec<f64> = (0..2400).map(|i| f64::from(i) / 256.0).collect();
+        let x: Vec<f64> = time_s.iter().map(|t| 25.0 * (PI * t).sin()).collect();
+        let (mut last, mut share) = (0.0, 0.0_f64);
+        let pulls = |x: &f64| {
+            let step = x - last;
+            last = *x;
+            share += step / 3.0 * (1.0 - share * step.signum());
+            9200.0 * share
+        };
+        Recording {
+            force_n: Some(x.iter().map(pulls).collect()),
+            displacement_mm: Some(x),
+            time_s,
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn what_slides_beside_friction_keeps_what_all_samples_say() {
+        let declared = |tolerance| {
+            Some(Declared {
+                value: 0.0,
+                tolerance,
+            })
+        };
+        let specimen = SpecimenModel {
+            stiffness_n_per_mm: declared(10.0),
+            damping_n_s_per_mm: declared(2.0),
+            mass_kg: declared(10.0),
+            offset_n: declared(300.0),
+            ..SpecimenModel::default()
+        };
+        let model = Model {
+            specimen: Some(specimen),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
+        let mut data = SpecimenData::new(&base, &[brake()]).unwrap();
+        data.score.noise = 40.0_f64.powi(2);
+        let slides = |r: &Row| matches!(r.form, Form::Element(Law::Slider));
+        let mut rows = (0..data.rows.len()).filter(|i| slides(&data.rows[*i]));
+        let terms = [0.5, 4.9].map(|yield_mm| Term {
+            row: rows.next().unwrap(),
+            shape: [yield_mm, 0.0, 0.0, 0.0],
+        });
+        let fit = SpecimenModelFit {
+            terms: terms.to_vec(),
+            declared: [0.0; 4],
+            strengths: vec![vec![2000.0], vec![6000.0]],
+            names: vec![Effect::CoulombFriction, Effect::BilinearHysteresis],
+            evidence: Evidence::of_samples(0.0, 0.0),
+            acts_on: None,
+            left_out_mm: None,
+        };
+        let all = data.settled_by(fit, |f| !matches!(f.unknown, Unknown::Shape(..)));
+        let read = data.read_where_it_slides(&all).unwrap();
+        assert!(all.strengths[1][0] > 3000.0, "{:?}", all.strengths);
+        assert_eq!(read.strengths[1], all.strengths[1]);
+        assert_ne!(read.strengths[0], all.strengths[0]);
+    }
 
     #[test]
     fn the_way_after_a_reversal_is_near_and_a_part_of_it_before() {
