@@ -93,6 +93,8 @@ pub enum InjectedFault {
     LostMotion,
     /// A bit of the sampling timer's period turns over: at 2 kHz it is more than twice as long, by the timer's own count as well.
     SlowTimer,
+    /// The same, a fifth shorter.
+    FastTimer,
 }
 
 /// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.

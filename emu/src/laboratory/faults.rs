@@ -20,6 +20,8 @@ const SPI1_DR: u64 = 0x4001_300c;
 
 /// A bit that TIM2's period does not have at 2 kHz: with it 107 536 ticks in place of 42 000.
 const SLOW_BIT: u32 = 16;
+/// One that it has: without it 33 808.
+const FAST_BIT: u32 = 13;
 
 /// A burst of noise on the force, as a share of the converter's range to either side.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
@@ -137,6 +139,9 @@ impl Laboratory {
             }
             InjectedFault::SlowTimer => {
                 self.turn_over_register(session, host, stop, TIM2_ARR, SLOW_BIT)
+            }
+            InjectedFault::FastTimer => {
+                self.turn_over_register(session, host, stop, TIM2_ARR, FAST_BIT)
             }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.

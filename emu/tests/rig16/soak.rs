@@ -156,24 +156,35 @@ impl Soak {
     }
 }
 
+/// How often a soak says how far it is, s of the board's time: one that is cut off has shown something.
+const SAID_EVERY_S: f64 = 600.0;
+
 /// Runs for so long, s of the board's time.
 fn soaked(board_s: u64, part: usize) -> Outcomes {
     let (began, mut soak) = (Instant::now(), Soak::new(board_s, part));
+    let say = |soak: &Soak| {
+        let (board_s, wall_s) = (soak.now_s, began.elapsed().as_secs_f64());
+        println!(
+            "{:.2} h of the board's time in {:.2} h, {:.2} times as fast as the clock: {:?}; nothing dropped, no bit different",
+            board_s / 3600.0,
+            wall_s / 3600.0,
+            board_s / wall_s,
+            soak.outcomes
+        );
+    };
     let mut was_reset = false;
+    let mut said_s = 0.0;
     while soak.now_s < board_s as f64 {
         was_reset = soak.seen().1 || was_reset;
         // Where a reset has left the specimen, its force may be beyond the smaller limit.
         let trips = !was_reset && soak.outcomes.completed > 2 * soak.outcomes.tripped;
         was_reset = soak.test(trips);
+        if soak.now_s > said_s + SAID_EVERY_S {
+            say(&soak);
+            said_s = soak.now_s;
+        }
     }
-    let (board_s, wall_s) = (soak.now_s, began.elapsed().as_secs_f64());
-    println!(
-        "{:.2} h of the board's time in {:.2} h, {:.2} times as fast as the clock: {:?}; nothing dropped, no bit different",
-        board_s / 3600.0,
-        wall_s / 3600.0,
-        board_s / wall_s,
-        soak.outcomes
-    );
+    say(&soak);
     soak.outcomes
 }
 

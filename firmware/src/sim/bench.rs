@@ -1,6 +1,6 @@
 //! A board with its tasks, all in one thread.
 
-use super::board::{CLOCK, CODES, Plant, SimBoard};
+use super::board::{CLOCK, CODES, Plant, STOPWATCH_PER_TIMER_TICK, SimBoard};
 use super::faulty::Faulty;
 use crate::hardware::Hardware;
 use crate::station::{
@@ -96,9 +96,17 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                 orders: watch_out,
             },
         };
+        hardware.set_period(first.period_ticks);
         let codes = hardware.codes().unwrap_or([[0; 2]; A]);
         Self {
-            station: Station::new(first, [placeholder; A], codes, heartbeats, ends, 2),
+            station: Station::new(
+                first,
+                [placeholder; A],
+                codes,
+                heartbeats,
+                ends,
+                STOPWATCH_PER_TIMER_TICK,
+            ),
             service: Service::new(
                 board,
                 Parts {

@@ -36,6 +36,9 @@ pub const CLOCK: Clock = Clock {
     stopwatch_hz: 168_000_000,
 };
 
+/// Ticks of the stopwatch in one of the sampling timer.
+pub const STOPWATCH_PER_TIMER_TICK: u32 = CLOCK.stopwatch_hz / CLOCK.timer_hz;
+
 /// What stands behind the converters of a board with `A` actuators.
 pub trait Plant<const A: usize = 1> {
     /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N, of each
@@ -61,8 +64,10 @@ pub struct SimBoard<P, const A: usize = 1> {
     pub fed: u32,
     /// The task that starved.
     pub starving: Option<Heartbeat>,
-    /// Ticks of the stopwatch, which stands unless somebody moves it.
+    /// Ticks of the stopwatch. A step takes none, and the next one begins a period later.
     pub ticks: u32,
+    /// The period of sampling, in ticks of the stopwatch.
+    pub period_ticks: u32,
 }
 
 impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
@@ -78,7 +83,13 @@ impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
             fed: 0,
             starving: None,
             ticks: 0,
+            period_ticks: 0,
         }
+    }
+
+    /// The watchdog, fed or not, is the last of a step.
+    fn wait_for_the_next_step(&mut self) {
+        self.ticks = self.ticks.wrapping_add(self.period_ticks);
     }
 }
 
@@ -147,13 +158,17 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
         false
     }
 
-    fn set_period(&mut self, _: u32) {}
+    fn set_period(&mut self, ticks: u32) {
+        self.period_ticks = STOPWATCH_PER_TIMER_TICK * ticks;
+    }
 
     fn feed(&mut self) {
         self.fed += 1;
+        self.wait_for_the_next_step();
     }
 
     fn starving(&mut self, task: Heartbeat, _: u32, _: Mode) {
         self.starving = Some(task);
+        self.wait_for_the_next_step();
     }
 }

@@ -6,5 +6,5 @@ mod board;
 mod faulty;
 
 pub use bench::{Bench, Tasks};
-pub use board::{CLOCK, CODES, Plant, SimBoard};
+pub use board::{CLOCK, CODES, Plant, STOPWATCH_PER_TIMER_TICK, SimBoard};
 pub use faulty::{Broken, Faulty, Wire};

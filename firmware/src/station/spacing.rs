@@ -18,8 +18,8 @@ impl Spacing {
         }
     }
 
-    /// A step begins at `now`; the counter may turn over. Whether it begins more than half a `period` late by this clock: what
-    /// makes the period cannot tell that it has become slow.
+    /// A step begins at `now`; the counter may turn over. Whether it begins more than an eighth of a `period` early or late by this
+    /// clock: what makes the period cannot tell that it has become another one.
     #[inline]
     pub fn begin(&mut self, now: u32, period: u32) -> bool {
         let distance = self.last.map(|last| now.wrapping_sub(last));
@@ -28,7 +28,7 @@ impl Spacing {
             self.longest = self.longest.max(distance);
         }
         self.last = Some(now);
-        distance.is_some_and(|distance| distance > period.saturating_add(period / 2))
+        distance.is_some_and(|distance| distance.abs_diff(period) > period / 8)
     }
 
     /// Shortest distance; 0 before the second step.
@@ -56,10 +56,17 @@ mod tests {
     }
 
     #[test]
-    fn a_period_that_has_become_half_as_long_again_is_late_by_another_clock() {
+    fn a_period_that_has_become_another_one_is_seen_by_another_clock() {
         let mut spacing = Spacing::new();
         assert!(!spacing.begin(u32::MAX, 100), "nothing was before it");
-        assert!(!spacing.begin(149, 100));
-        assert!(spacing.begin(300, 100));
+        for (now, is_wrong) in [
+            (99, false),
+            (211, false),
+            (324, true),
+            (412, false),
+            (499, true),
+        ] {
+            assert_eq!(spacing.begin(now, 100), is_wrong, "{now}");
+        }
     }
 }

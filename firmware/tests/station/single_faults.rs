@@ -46,6 +46,35 @@ fn a_command_that_reads_back_differently_stands_against_arming_and_trips() {
     });
 }
 
+// proves: fault.deadline_missed by period_ticks
+#[test]
+fn a_sampling_timer_with_another_period_trips_in_the_first_one() {
+    for (percent, is_seen) in [
+        (250, true),
+        (113, true),
+        (110, false),
+        (90, false),
+        (80, true),
+    ] {
+        let other = |b: &mut Bench| {
+            let ticks = &mut b.hardware.board.period_ticks;
+            *ticks = *ticks / 100 * percent;
+        };
+        if is_seen {
+            trips(Fault::DeadlineMissed, 1, other);
+        } else {
+            let mut b = bench();
+            b.ready(config(), &pulse());
+            other(&mut b);
+            done(&b.event(Event::Start));
+            for _ in 0..200 {
+                b.step();
+            }
+            assert!(b.permit(), "{percent} %");
+        }
+    }
+}
+
 // proves: fault.disagree, limit.disagree_m by second_displacement_off
 #[test]
 fn two_displacements_that_disagree_stand_against_arming_and_trip() {

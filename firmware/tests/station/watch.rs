@@ -109,7 +109,7 @@ fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
 
 #[test]
 fn a_correction_is_refused_where_a_step_leaves_no_time_for_it() {
-    // The stopwatch stands: all of the deadline is left.
+    // A step takes no time: all of the deadline is left.
     let most = CORRECTION_CYCLES;
     for (deadline_ticks, refused_with) in [(most - 1, Some(f64::from(most - 1))), (most, None)] {
         let mut found = sim::Bench::<Spring>::well("sim");

@@ -74,7 +74,7 @@ impl Flash for Sectors {
     }
 }
 
-/// What the simulated board has not: a flash, and a stopwatch that goes on.
+/// What the simulated board has not: a flash.
 struct Chip {
     flash: Sectors,
     kept: Config,
@@ -83,7 +83,7 @@ struct Chip {
 }
 
 impl Chip {
-    /// After each control step: what the board has just taken for saved is written, and the next step begins.
+    /// After each control step: what the board has just taken for saved is written.
     fn go_on(&mut self, loopback: &mut Loopback) {
         let erased = self.flash.erased;
         let [test, _] = std::mem::take(&mut loopback.board.saved);
@@ -92,7 +92,7 @@ impl Chip {
         }
         let held_up = self.held_up_cycles * (self.flash.erased - erased);
         let ticks = &mut loopback.board.hardware.board.ticks;
-        *ticks = ticks.wrapping_add(PERIOD_CYCLES + held_up);
+        *ticks = ticks.wrapping_add(held_up);
     }
 
     fn write(&mut self) {
