@@ -456,7 +456,7 @@ macro_rules! parts {
     ($($name:ident $part:literal)*) => {
         $(
             #[test]
-            #[ignore = "nightly: all of them a quarter of an hour"]
+            #[ignore = "nightly: all of them twenty minutes"]
             fn $name() {
                 let part = FAULTS.len() * $part / PARTS..FAULTS.len() * ($part + 1) / PARTS;
                 let faults = &FAULTS[part];
