@@ -67,6 +67,9 @@ impl Plan {
         } else {
             1.0
         };
+        // Where the motion is so slow that not one line would be left, it does not repeat.
+        let repeats = periods <= self.high_hz * self.moving_s;
+        let periods = if repeats { periods } else { 1.0 };
         let base_hz = periods / self.moving_s;
         let corner_hz = dice.between(0.8, 2.5);
         let lines = (self.high_hz / base_hz) as usize;
@@ -179,6 +182,22 @@ fn smooth(s: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::fine::derivative;
+
+    #[test]
+    fn a_slow_motion_of_many_sines_has_at_least_one() {
+        let plan = Plan {
+            kind: Excitation::Multisine,
+            amplitude_mm: 12.0,
+            high_hz: 0.3,
+            rest_before_s: 0.5,
+            moving_s: 8.0,
+            rest_after_s: 0.5,
+        };
+        for seed in 0..8 {
+            let x = plan.trajectory(&mut Dice::new(seed));
+            assert!((peak(&x) - 12.0).abs() < 1e-9, "seed {seed}");
+        }
+    }
 
     #[test]
     fn every_kind_rests_moves_up_to_its_amplitude_and_rests_without_a_jump() {
