@@ -65,6 +65,40 @@ fn a_lag_far_outside_its_tolerance_is_the_cause_and_nothing_else_gets_the_credit
     assert!(a.error_after.test_rms < 1.5 * a.noise_floor_rms);
 }
 
+/// Another axis moves the piston, too: it follows no command of this one.
+fn pushed(mut r: Recording, seed: u32) -> Recording {
+    let x = r.displacement_mm.as_mut().unwrap();
+    for (x, t) in x.iter_mut().zip(&r.time_s) {
+        let sine = |k: u32| {
+            let hz = 0.37 * f64::from(k) + 0.01 * f64::from(seed % 7);
+            (std::f64::consts::TAU * hz * t + f64::from(k * k * seed)).sin()
+        };
+        let moves = (4.0..18.0).contains(t);
+        *x += f64::from(u8::from(moves)) * PUSHED_MM * (1..17).map(sine).sum::<f64>();
+    }
+    r
+}
+
+/// One of 16 sines.
+const PUSHED_MM: f64 = 0.05;
+
+#[test]
+fn a_lag_outside_its_tolerance_is_named_beside_more_that_has_no_name() {
+    // Ten tolerances; three of them the refit takes.
+    let of = |seed: u32| [pushed(record(&[], [1000.0, 5.0, 32.0], seed.into()), seed)];
+    let [train, test] = [7, 8].map(of);
+    let mut declared = model();
+    declared.specimen = None;
+    let d = diagnose(&declared, &train, &test, &[]).unwrap();
+    let a = &d.channels[0];
+    let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, [Effect::LagError], "{:?} {:?}", a.verdict, a.notes);
+    assert_eq!(a.verdict, Verdict::Partial);
+    // Beside the refit it explains too little by itself.
+    let share = a.error_after.test_rms / a.error_before.test_rms;
+    assert!(share > 0.7, "{share}");
+}
+
 /// A spring with a force that no effect of the library has.
 fn odd(name: &str, hz: f64) -> Recording {
     let time_s: Vec<f64> = (0..12_000).map(|i| f64::from(i) * 1e-3).collect();

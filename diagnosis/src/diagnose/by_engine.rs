@@ -295,7 +295,8 @@ impl ChannelDiagnosis<'_> {
         // Of what is no noise, where a rest tells that.
         let noise = if channel.told { channel.noise.rms } else { 0.0 };
         let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
-        let [had, has] = [answer.error_before.test_rms, errors.test_rms].map(beyond);
+        let left = self.without_refit_of(&candidate.names, answer.error_before.test_rms);
+        let [had, has] = [left, errors.test_rms].map(beyond);
         // Data that have died down to the noise speak neither way.
         if had.max(has) > 0.0 && (has > most * had || gain[0] <= 0.0 && !is_set) {
             answer.verdict = Verdict::Unknown;
@@ -346,6 +347,15 @@ impl ChannelDiagnosis<'_> {
         }
         answer.error_after = errors;
         Some(after)
+    }
+
+    /// What a model of these names is judged by, rms of the held-out records: where an error of a declared parameter is among them, the
+    /// refit within the tolerances has taken a part of it.
+    fn without_refit_of(&self, names: &[Effect], refitted: f64) -> f64 {
+        let parameters = self.base.channel.parameters();
+        let is_error = |name: &Effect| parameters.iter().any(|p| p.error == *name);
+        let declared = names.iter().any(is_error).then(|| self.declared_leaves());
+        declared.flatten().map_or(refitted, |d| d.max(refitted))
     }
 
     /// A model that cannot be vouched for, and what it explains of the held-out squares.

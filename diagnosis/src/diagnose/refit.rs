@@ -54,14 +54,25 @@ pub fn state_probabilities(answer: &mut ChannelAnswer) {
 }
 
 impl ChannelDiagnosis<'_> {
+    /// Training and held-out records with the declared parameters; `None` where a signal is missing.
+    fn as_declared(&self) -> Option<[Problem; 2]> {
+        let cutoff_hz = self.cutoff_hz();
+        let [train, test] = [self.train, self.test].map(|set| self.problem(set, cutoff_hz));
+        Some([train?, test?])
+    }
+
+    /// What the declared channel leaves of the held-out records, rms; `None` where a signal is missing.
+    pub(super) fn declared_leaves(&self) -> Option<f64> {
+        let [train, test] = self.as_declared()?;
+        Some(errors(&train, &test).test_rms)
+    }
+
     /// States the errors of the model as declared and the intervals of its refitted parameters, and saves these.
     pub(super) fn state_refit(&self, answer: &mut ChannelAnswer, improved: &mut Model) {
         if answer.verdict == Verdict::NotAssessed {
             return;
         }
-        let cutoff_hz = self.cutoff_hz();
-        let problems = [self.train, self.test].map(|set| self.problem(set, cutoff_hz));
-        let [Some(mut train), Some(mut test)] = problems else {
+        let Some([mut train, mut test]) = self.as_declared() else {
             return;
         };
         answer.error_declared = errors(&train, &test);
