@@ -48,7 +48,13 @@ fn main() {
     } else {
         &worlds[one..=one]
     };
-    let names: Vec<&str> = worlds.iter().flat_map(|w| w.1.clone()).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for name in worlds.iter().flat_map(|w| &w.1) {
+        // Two worlds have a cause in common.
+        if !names.contains(name) {
+            names.push(name);
+        }
+    }
     let range = |a: &String| -> Option<Vec<u64>> {
         match a.split_once("..") {
             Some((from, to)) => Some((from.parse().ok()?..to.parse().ok()?).collect()),
