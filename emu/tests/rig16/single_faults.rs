@@ -340,6 +340,19 @@ fn a_load_cell_that_stands_in_its_converters_noise_moves_nothing_beyond_the_plan
     assert_eq!(each(USUAL, &[StandingForce], &PHASES[1..2]), [""; 0]);
 }
 
+/// A test that has met a fault on its way, and has gone on until the fault must have been seen.
+fn met_in_a_test(fault: InjectedFault) -> Desk {
+    let mut desk = desk(USUAL, Some(fault), PHASES[1], 0.0, &stated());
+    desk.order(Command::Event(Event::Arm));
+    while desk.step().mode() != Some(Mode::Armed) {}
+    while desk.step().command_m != 0.0 {}
+    desk.order(Command::Event(Event::Start));
+    for _ in 0..SEEN_STEPS {
+        desk.step();
+    }
+    desk
+}
+
 // proves: fault.stale_sample by KnownVoltageFlickers
 // proves: fault.output by ReadBackFlickers
 // proves: fault.disagree by SecondSensorFlickers
@@ -350,14 +363,7 @@ fn what_comes_and_goes_trips_though_no_run_of_bad_steps_is_long() {
         (ReadBackFlickers, Fault::Output),
         (SecondSensorFlickers, Fault::Disagree),
     ] {
-        let mut desk = desk(USUAL, Some(fault), PHASES[1], 0.0, &stated());
-        desk.order(Command::Event(Event::Arm));
-        while desk.step().mode() != Some(Mode::Armed) {}
-        while desk.step().command_m != 0.0 {}
-        desk.order(Command::Event(Event::Start));
-        for _ in 0..SEEN_STEPS {
-            desk.step();
-        }
+        let mut desk = met_in_a_test(fault);
         assert_came(fault, &desk.log());
         let status = desk.status();
         assert_eq!(status.trip.map(|t| t.fault), Some(reason), "{fault:?}");
@@ -374,14 +380,7 @@ fn a_sampling_timer_with_another_period_trips_in_the_first_one() {
     for (fault, within_us) in [(SlowTimer, 2000), (FastTimer, 1200)] {
         let beyond_m = beyond_in_a_test(USUAL, fault, PHASES[1], &plan, &stated());
         assert!(beyond_m <= BEYOND_M, "{fault:?}: {beyond_m} m");
-        let mut desk = desk(USUAL, Some(fault), PHASES[1], 0.0, &stated());
-        desk.order(Command::Event(Event::Arm));
-        while desk.step().mode() != Some(Mode::Armed) {}
-        while desk.step().command_m != 0.0 {}
-        desk.order(Command::Event(Event::Start));
-        for _ in 0..SEEN_STEPS {
-            desk.step();
-        }
+        let mut desk = met_in_a_test(fault);
         let status = desk.status();
         assert_eq!(status.trip.map(|t| t.fault), Some(Fault::DeadlineMissed));
         assert!(!status.permit);
