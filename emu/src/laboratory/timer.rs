@@ -14,9 +14,9 @@ pub(super) struct Sampling {
 }
 
 impl Sampling {
-    /// The update after this one, with the period that is then in force.
+    /// The update after this one, with the period that this one has put in force.
     pub(super) fn advance(&mut self, period_ticks: u64) {
-        let ns = self.period_ticks * 1_000_000_000 + self.rest;
+        let ns = period_ticks * 1_000_000_000 + self.rest;
         self.next_ns += ns / self.timer_hz;
         self.rest = ns % self.timer_hz;
         self.period_ticks = period_ticks;
