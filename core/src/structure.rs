@@ -8,6 +8,14 @@ use crate::refusal::Refusal;
 /// `stiffness` is that of the whole structure, the best that is known of it; `numerical_stiffness` is the
 /// part of it that is only computed (hybrid test). What is left is the specimen.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "[f64; N]: serde::Serialize, Matrix<N>: serde::Serialize",
+        deserialize = "[f64; N]: serde::Deserialize<'de>, Matrix<N>: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Structure<const N: usize> {
     /// Mass matrix, kg.
     pub mass: Matrix<N>,

@@ -292,7 +292,7 @@ impl Experiment {
             };
             let kind = part.declared.compensation;
             let settings = settings::of::<N>(&part.declared, config, kind)?;
-            let design = Design::coupled(&settings).map_err(Failure::input)?;
+            let design = Design::coupled(config, &settings).map_err(Failure::input)?;
             bench.run_coupled(part, &self.prepared(config, design, ground, steps), observer)
         })
     }
@@ -436,8 +436,7 @@ impl Experiment {
             hz.join(", "),
             match self.test.coupled {
                 None => "",
-                Some(_) =>
-                    " that two coupled actuators move in x and in rotation (a simulated rig)",
+                Some(_) => " that two coupled actuators move in x and in rotation",
             }
         )
     }

@@ -117,6 +117,7 @@ impl Calibration {
     /// A tracker that core refuses.
     pub fn new(start: [Start; 2], reference: &FrameMatrices) -> Result<Self, Refused> {
         let plant = nominal();
+        let refused = |e: outerloop_core::Refusal| Refused::new(format!("marths: {e}"));
         let tracker = |spreads: Spreads| {
             TrackerConstants::new(&TrackerSettings {
                 coupler: COUPLER,
@@ -127,11 +128,16 @@ impl Calibration {
                     period_s: PERIOD_S as f32,
                 },
                 inverse: true,
-                target: [target(reference, X, 0), target(reference, ROTATION, 1)],
+                target: [
+                    target(reference, X, 0).steady(PERIOD_S).map_err(refused)?,
+                    target(reference, ROTATION, 1)
+                        .steady(PERIOD_S)
+                        .map_err(refused)?,
+                ],
                 ahead_s: 0.0,
                 trust_reading_hz: TRUST_READING_HZ as f32,
             })
-            .map_err(|e| Refused::new(format!("marths: {e}")))
+            .map_err(refused)
         };
         Ok(Self {
             start,

@@ -8,6 +8,7 @@ use super::pair::Pair;
 
 /// Where the actuators hold the coupler, m from the interface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupler {
     /// Along the actuators.
     pub pin_x_m: Pair,

@@ -19,6 +19,7 @@ const FARTHEST: f32 = 0.3;
 
 /// Settings of the estimator.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EstimatorSettings {
     /// The plant as declared.
     pub plant: Plant,

@@ -20,7 +20,7 @@
 //! | [`Plant`] | the 2 x 2 transfer function and its parameters |
 //! | [`Forward`] | what the plant would answer to the commands, and how that depends on each parameter |
 //! | [`EstimatorSettings`] | how the parameters are found from the difference to what was measured |
-//! | [`ObserverSettings`] | smooth derivatives of a target that is driven by a known ground motion |
+//! | [`ObserverSettings`], [`SteadyObserver`] | smooth derivatives of a target that is driven by a known ground motion |
 //! | [`observed`] | the modes of a structure as the observers want them |
 //!
 //! # When not to use it
@@ -43,10 +43,10 @@ mod tracker;
 pub use coupler::Coupler;
 pub use estimate::EstimatorSettings;
 pub use forward::{Forward, Slopes};
-pub use observer::{MAX_MODES, ObserverSettings, VibrationMode};
+pub use observer::{MAX_MODES, ObserverSettings, SteadyObserver, VibrationMode};
 pub use pair::Pair;
 pub use plant::{MAX_PARAMETERS, Parameter, Plant, Spread, Spreads};
 pub use response::observed;
-pub use rig::{CoupledConstants, CoupledRig};
+pub use rig::{CoupledConstants, CoupledRig, INTERFACE_AXIS};
 pub use settings::{Bounds, CoupledSettings};
 pub use tracker::{Tracker, TrackerConstants, TrackerSettings};

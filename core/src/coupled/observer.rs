@@ -14,6 +14,7 @@ const STATES: usize = 2 * MAX_MODES;
 
 /// One mode as a coordinate of the interface shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VibrationMode {
     /// Angular frequency, rad/s.
     pub omega_rad_per_s: f64,
@@ -32,6 +33,15 @@ pub struct ObserverSettings {
     pub noise: f64,
     /// White acceleration that drives each mode beside the ground, m/s^2 (or rad/s^2) rms in a sample.
     pub process_per_s2: f64,
+}
+
+/// An observer with its steady gain. A PC works that out: it takes thousands of rounds in double precision, for which a board
+/// has neither the hardware nor the time.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SteadyObserver {
+    /// Each mode, and by how much its displacement (m or rad) and velocity follow an error of the target.
+    pub modes: Vec<(VibrationMode, [f64; 2]), MAX_MODES>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,49 +64,99 @@ pub struct ObserverConstants {
 
 type Matrix = [[f64; STATES]; STATES];
 
-impl ObserverConstants {
-    /// Steady gains for samples `period_s` apart.
+fn refused(name: &'static str, value: f64, accepted: &'static str) -> Refusal {
+    Refusal {
+        name,
+        value,
+        accepted,
+    }
+}
+
+impl ObserverSettings {
+    /// With its steady gain for samples `period_s` apart.
     ///
     /// # Errors
     /// No mode, or numbers that give no steady gain.
-    pub fn new(settings: &ObserverSettings, period_s: f64) -> Result<Self, Refusal> {
-        let refused = |name, value, accepted| Refusal {
-            name,
-            value,
-            accepted,
-        };
-        if settings.modes.is_empty() {
-            return Err(refused("observer.modes", 0.0, "one to three modes"));
-        }
+    pub fn steady(&self, period_s: f64) -> Result<SteadyObserver, Refusal> {
         for (name, value) in [
-            ("observer.noise", settings.noise),
-            ("observer.process_per_s2", settings.process_per_s2),
+            ("observer.noise", self.noise),
+            ("observer.process_per_s2", self.process_per_s2),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(refused(name, value, "a number above 0"));
             }
         }
-        let mut modes = [ModeConstants::default(); MAX_MODES];
+        check_modes(self.modes.iter(), period_s)?;
         let (mut f, mut q) = ([[0.0; STATES]; STATES], [[0.0; STATES]; STATES]);
-        for (m, mode) in settings.modes.iter().enumerate() {
-            let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
-            if !(w > 0.0 && w * period_s < 3.0 && (0.0..1.0).contains(&z)) {
-                return Err(refused(
-                    "observer.omega_rad_per_s",
-                    w,
-                    "an underdamped mode below the Nyquist frequency",
-                ));
-            }
-            let a = transition(w, z, period_s);
-            let variance = settings.process_per_s2 * settings.process_per_s2;
-            let kick = [0.5 * period_s * period_s, period_s];
+        let variance = self.process_per_s2 * self.process_per_s2;
+        let kick = [0.5 * period_s * period_s, period_s];
+        for (m, mode) in self.modes.iter().enumerate() {
+            let a = transition(mode.omega_rad_per_s, mode.damping_ratio, period_s);
             for i in 0..2 {
                 for j in 0..2 {
                     f[2 * m + i][2 * m + j] = a[i][j];
                     q[2 * m + i][2 * m + j] = variance * kick[i] * kick[j];
                 }
             }
-            modes[m] = ModeConstants {
+        }
+        let gain =
+            steady_gain(&f, &q, self.noise * self.noise, self.modes.len()).ok_or(refused(
+                "observer.noise",
+                self.noise,
+                "a number that gives a steady gain",
+            ))?;
+        let modes = self.modes.iter().enumerate();
+        Ok(SteadyObserver {
+            modes: modes
+                .map(|(m, mode)| (*mode, [gain[2 * m], gain[2 * m + 1]]))
+                .collect(),
+        })
+    }
+}
+
+/// That there is a mode, and that each can be followed.
+fn check_modes<'a>(
+    modes: impl ExactSizeIterator<Item = &'a VibrationMode>,
+    period_s: f64,
+) -> Result<(), Refusal> {
+    if modes.len() == 0 {
+        return Err(refused("observer.modes", 0.0, "one to three modes"));
+    }
+    for mode in modes {
+        let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
+        if !(w > 0.0 && w * period_s < 3.0 && (0.0..1.0).contains(&z)) {
+            return Err(refused(
+                "observer.omega_rad_per_s",
+                w,
+                "an underdamped mode below the Nyquist frequency",
+            ));
+        }
+        if !mode.participation.is_finite() {
+            return Err(refused(
+                "observer.participation",
+                mode.participation,
+                "a finite number",
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl ObserverConstants {
+    /// For samples `period_s` apart.
+    ///
+    /// # Errors
+    /// No mode, or one that cannot be followed; a gain that is not finite.
+    pub fn new(observer: &SteadyObserver, period_s: f64) -> Result<Self, Refusal> {
+        check_modes(observer.modes.iter().map(|(mode, _)| mode), period_s)?;
+        let mut modes = [ModeConstants::default(); MAX_MODES];
+        for (place, (mode, gain)) in modes.iter_mut().zip(&observer.modes) {
+            if let Some(gain) = gain.iter().find(|g| !g.is_finite()) {
+                return Err(refused("observer.gain", *gain, "a finite number"));
+            }
+            let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
+            let a = transition(w, z, period_s);
+            *place = ModeConstants {
                 transition: a.map(|row| row.map(|x| x as f32)),
                 // Held acceleration: the mode moves towards gamma a / omega^2.
                 input: [
@@ -106,24 +166,12 @@ impl ObserverConstants {
                 square: (w * w) as f32,
                 friction: (2.0 * z * w) as f32,
                 participation: mode.participation as f32,
-                gain: [0.0; 2],
+                gain: gain.map(|g| g as f32),
             };
-        }
-        let count = settings.modes.len();
-        let gain =
-            steady_gain(&f, &q, settings.noise * settings.noise, count).ok_or_else(|| {
-                refused(
-                    "observer.noise",
-                    settings.noise,
-                    "a number that gives a steady gain",
-                )
-            })?;
-        for (m, mode) in modes.iter_mut().enumerate().take(count) {
-            mode.gain = [gain[2 * m] as f32, gain[2 * m + 1] as f32];
         }
         Ok(Self {
             modes,
-            count,
+            count: observer.modes.len(),
             period_s: period_s as f32,
         })
     }
@@ -261,7 +309,8 @@ mod tests {
     #[test]
     fn derivatives_of_a_response_to_the_ground_come_out() {
         let period = 1.0 / 1024.0;
-        let k = ObserverConstants::new(&settings(), period).unwrap();
+        let steady = settings().steady(period).unwrap();
+        let k = ObserverConstants::new(&steady, period).unwrap();
         // The same modes in f64 with steps a sixteenth as long.
         let fine = period / 16.0;
         let ground = |t: f64| libm::sin(11.0 * t) + 0.5 * libm::sin(71.0 * t);
@@ -313,12 +362,9 @@ mod tests {
     fn a_mode_above_the_nyquist_frequency_and_no_mode_are_refused() {
         let mut none = settings();
         none.modes.clear();
+        assert_eq!(none.steady(1e-3).unwrap_err().name, "observer.modes");
         assert_eq!(
-            ObserverConstants::new(&none, 1e-3).unwrap_err().name,
-            "observer.modes"
-        );
-        assert_eq!(
-            ObserverConstants::new(&settings(), 0.1).unwrap_err().name,
+            settings().steady(0.1).unwrap_err().name,
             "observer.omega_rad_per_s"
         );
     }

@@ -15,6 +15,7 @@ use heapless::Vec;
 
 /// The transfer function from commands to strokes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Plant {
     /// `k_ij`: stroke `i` at rest per command `j`.
     pub gain: [Pair; 2],
@@ -36,6 +37,7 @@ pub struct Plant {
 
 /// A number of the plant that is not known exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parameter {
     /// `a_j`.
     SlowPole(usize),

@@ -6,19 +6,20 @@
 //!
 //! Strokes, forces and commands of the actuators stand on axes 0 and 1; so do x and rotation of the structure. Limits act in
 //! both: those of the actuators are the loop's own (axes 0 and 1 of a [`Trip`](crate::Trip)), those of x and rotation are
-//! here (axes 2 and 3; of axis 3 rad stands for m and N m for N).
+//! here (axes [`INTERFACE_AXIS`] and the next; of the latter rad stands for m and N m for N).
 
 use super::pair::Pair;
 use super::plant::Plant;
 use super::tracker::{Tracker, TrackerConstants};
+use crate::config::MAX_DOF;
 use crate::float::{larger, smaller};
 use crate::rig::{Asked, CommandMap, Rig};
 use crate::supervise::{Checked, Finding, InterlockLimits, Mode, first_fault, within};
 
 /// By how much the share of the ground's acceleration changes in a control step.
 const SHARE_STEP: f32 = 1.0 / 64.0;
-/// What the axes of x and rotation are counted from in a fault.
-const INTERFACE: u8 = 2;
+/// What the axes of x and rotation are counted from in a fault: behind those of every actuator that a loop can have.
+pub const INTERFACE_AXIS: u8 = MAX_DOF as u8;
 
 /// What is known of the rig, worked out once.
 #[derive(Clone, Debug)]
@@ -160,7 +161,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
             let step = coordinate(i, from_m, to_m);
             let found = first_fault(&self.limits[i], &self.checked(i, &step))?;
             Some(Finding {
-                axis: INTERFACE + i as u8,
+                axis: INTERFACE_AXIS + i as u8,
                 ..found
             })
         };

@@ -11,6 +11,7 @@ use crate::supervise::InterlockLimits;
 
 /// What a coordinate of the interface may do. Units: m and N; of a rotation rad and N m.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// Largest position that may be asked for.
     pub position: f64,
@@ -22,12 +23,17 @@ pub struct Bounds {
     pub tracking: f64,
 }
 
-/// Settings of a test.
-#[derive(Clone, Debug)]
+/// What a test of two coupled actuators has beside its [`Config`], as a board is sent it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "Structure<N>: serde::Serialize",
+        deserialize = "Structure<N>: serde::Deserialize<'de>"
+    ))
+)]
 pub struct CoupledSettings<const N: usize> {
-    /// Rates, estimation, and the limits of each actuator, all of which have to be given: stroke, speed, force, tracking and
-    /// stale samples. Its structure is only checked.
-    pub config: Config,
     /// The structure; degrees of freedom 0 and 1 are x and rotation of the interface. What stands in the laboratory is the
     /// difference of its stiffness and its numerical stiffness.
     pub structure: Structure<N>,
@@ -38,13 +44,30 @@ pub struct CoupledSettings<const N: usize> {
 }
 
 impl<const N: usize> Design<N, CoupledRig> {
-    /// Checks `settings` and works the constants out.
+    /// Checks `config` and `settings` and works the constants out. `config` has rates, estimation, and the limits of each
+    /// actuator, all of which have to be given: stroke, speed, force, tracking and stale samples. Its structure is only
+    /// checked.
     ///
     /// # Errors
     /// The first setting that cannot be used.
-    pub fn coupled(settings: &CoupledSettings<N>) -> Result<Self, Refusal> {
-        let (config, structure) = (&settings.config, &settings.structure);
+    pub fn coupled(config: &Config, settings: &CoupledSettings<N>) -> Result<Self, Refusal> {
+        let structure = &settings.structure;
         config.check()?;
+        let matrices = [
+            &structure.mass,
+            &structure.damping,
+            &structure.stiffness,
+            &structure.numerical_stiffness,
+        ];
+        let numbers = matrices.into_iter().flatten().flatten();
+        let lists = structure
+            .influence
+            .iter()
+            .chain(&structure.physical_mass_kg);
+        for &value in numbers.chain(lists) {
+            let accepted = "finite numbers in every matrix and list";
+            accept("coupled.structure", value, value.is_finite(), accepted)?;
+        }
         let physical = structure.physical;
         accept(
             "structure.physical",

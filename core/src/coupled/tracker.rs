@@ -3,13 +3,14 @@
 use super::coupler::Coupler;
 use super::estimate::{EstimatorSettings, PlantEstimator};
 use super::inverse::{Jet, PlantInverse};
-use super::observer::{Observer, ObserverConstants, ObserverSettings};
+use super::observer::{Observer, ObserverConstants, SteadyObserver};
 use super::pair::Pair;
 use super::plant::Plant;
 use crate::refusal::Refusal;
 
 /// Settings of the tracker.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TrackerSettings {
     /// Geometry between the structure's coordinates and the strokes.
     pub coupler: Coupler,
@@ -19,7 +20,7 @@ pub struct TrackerSettings {
     /// follow by themselves, and to see what the inverse is worth.
     pub inverse: bool,
     /// How the target moves, x and theta.
-    pub target: [ObserverSettings; 2],
+    pub target: [SteadyObserver; 2],
     /// The target is given so many seconds ahead of its time, 0 to 0.1; it is held back by them.
     pub ahead_s: f32,
     /// Below this frequency, Hz, the estimated strokes follow the readings, above it the model.

@@ -5,12 +5,21 @@ use super::part::CoupledPart;
 use super::settings::{NAMED, plant_of};
 use super::table::CoupledCompensation;
 use outerloop_core::Trip;
-use outerloop_core::coupled::Plant;
+use outerloop_core::coupled::{INTERFACE_AXIS, Plant};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What an axis of a fault is: the actuators, then the interface.
-const AXES: [&str; 4] = ["actuator 1", "actuator 2", "x", "rotation"];
+/// What an axis of a fault is: an actuator, or a coordinate of the interface.
+pub fn axis_name(axis: u8) -> Option<&'static str> {
+    const ROTATION: u8 = INTERFACE_AXIS + 1;
+    Some(match axis {
+        0 => "actuator 1",
+        1 => "actuator 2",
+        INTERFACE_AXIS => "x",
+        ROTATION => "rotation",
+        _ => return None,
+    })
+}
 
 /// A number of the actuators: what was declared, what the test found, what the simulated rig has.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -38,7 +47,7 @@ pub struct CoupledFigures {
     pub eps_max_by_coordinate: Vec<f64>,
     /// Eq 18, coordinate by coordinate.
     pub eps_rms_by_coordinate: Vec<f64>,
-    /// Root mean square of true stroke less target, of the target's, by actuator.
+    /// Root mean square of true stroke less target, of the target's, by actuator; on a board of the stroke as read.
     pub tracking_rms_by_actuator: [f64; 2],
     /// Largest rotation of the interface, rad.
     pub peak_rotation_rad: f64,
@@ -59,7 +68,7 @@ impl CoupledFigures {
         actuators: Option<Plant>,
     ) -> Self {
         Self {
-            trip_axis: trip.and_then(|t| AXES.get(usize::from(t.axis)).copied()),
+            trip_axis: trip.and_then(|t| axis_name(t.axis)),
             coordinates: part.declared.structure.coordinates.clone(),
             eps_max_by_coordinate: eps_max.to_vec(),
             eps_rms_by_coordinate: eps_rms.to_vec(),
@@ -72,10 +81,10 @@ impl CoupledFigures {
 
     /// The unit of a value of `trip`, whose fault has `unit` where it is of a length.
     pub(crate) fn unit_of(trip: Trip) -> &'static str {
-        match (AXES.get(usize::from(trip.axis)), trip.fault.unit()) {
-            (Some(&"rotation"), "m") => "rad",
-            (Some(&"rotation"), "m/s") => "rad/s",
-            (Some(&"rotation"), "N") => "N m",
+        match (axis_name(trip.axis), trip.fault.unit()) {
+            (Some("rotation"), "m") => "rad",
+            (Some("rotation"), "m/s") => "rad/s",
+            (Some("rotation"), "N") => "N m",
             (_, unit) => unit,
         }
     }

@@ -96,7 +96,7 @@ pub struct InterfaceScore {
     before: Option<AtStep>,
     /// Energy errors over x and rotation, J: Eq 12, HSEM, Eq 6. Negative where the actuators put energy in.
     pub energy_j: [f64; 3],
-    /// Squares of true stroke less target, and of the target, by actuator, m^2.
+    /// Squares of true stroke less target, and of the target, by actuator, m^2. A board knows no truth: there the stroke as read.
     off_m2: [[f64; 2]; 2],
     /// Largest rotation of the target, rad.
     pub peak_rotation_rad: f64,
@@ -156,7 +156,9 @@ impl TestObserver for InterfaceScore {
         self.peak_rotation_rad = target[1].abs().max(self.peak_rotation_rad);
         for i in 0..2 {
             let wanted = f64::from(both.wanted_m[i]);
-            let off = f64::from(both.true_stroke_m[i]) - wanted;
+            let read_m = f64::from(r.displacement_m[i]);
+            let at_m = r.coupled.map_or(read_m, |read| read.true_stroke_m[i]);
+            let off = at_m - wanted;
             self.off_m2[i][0] += off * off;
             self.off_m2[i][1] += wanted * wanted;
             let force_n = f64::from(r.force_n[i].abs());

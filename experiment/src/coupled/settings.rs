@@ -83,7 +83,7 @@ pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
     }
     for kind in CoupledCompensation::ALL {
         let settings = with_floors!(c.structure.coordinates.len(), N => {
-            of::<N>(c, config, kind).and_then(|s| Design::coupled(&s).map_err(Failure::input)).map(drop)
+            of::<N>(c, config, kind).and_then(|s| Design::coupled(config, &s).map_err(Failure::input)).map(drop)
         });
         settings.map_err(|e| e.to_string())?;
     }
@@ -179,10 +179,14 @@ pub fn of<const N: usize>(
     let limits = &c.limits;
     let whole = structure::<N>(c)?;
     let noise = |limit: f64| c.observer.noise_ratio * limit;
-    let target = [
-        observed(&whole, 0, noise(limits.x_m), c.observer.process[0]).map_err(refused)?,
-        observed(&whole, 1, noise(limits.rotation_rad), c.observer.process[1]).map_err(refused)?,
-    ];
+    let period_s = 1.0 / config.timing.rate_hz;
+    let observer = |axis: usize, limit: f64| {
+        observed(&whole, axis, noise(limit), c.observer.process[axis])
+            // In single precision, as the tracker has its period.
+            .and_then(|o| o.steady(f64::from(period_s as f32)))
+            .map_err(refused)
+    };
+    let target = [observer(0, limits.x_m)?, observer(1, limits.rotation_rad)?];
     let mut numerical = whole;
     for (row, k) in numerical
         .numerical_stiffness
@@ -199,7 +203,6 @@ pub fn of<const N: usize>(
     }
     let estimated = kind == CoupledCompensation::Coupled;
     Ok(CoupledSettings {
-        config: config.clone(),
         structure: numerical,
         tracker: TrackerSettings {
             coupler: Coupler {
@@ -214,7 +217,7 @@ pub fn of<const N: usize>(
                     Spreads::new()
                 },
                 noise_m: (1e-3 * c.noise_mm) as f32,
-                period_s: (1.0 / config.timing.rate_hz) as f32,
+                period_s: period_s as f32,
             },
             inverse: kind != CoupledCompensation::None,
             target,

@@ -76,15 +76,18 @@ impl Scenario {
         for pole in &mut truth.slow_pole_rad_per_s {
             *pole *= 1.05;
         }
-        let target = |participation: f32, noise| ObserverSettings {
-            modes: core::iter::once(VibrationMode {
-                omega_rad_per_s: f64::from(OMEGA_RAD_PER_S),
-                damping_ratio: f64::from(RATIO),
-                participation: f64::from(participation),
-            })
-            .collect(),
-            noise,
-            process_per_s2: 0.2,
+        let target = |participation: f32, noise| {
+            let observer = ObserverSettings {
+                modes: core::iter::once(VibrationMode {
+                    omega_rad_per_s: f64::from(OMEGA_RAD_PER_S),
+                    damping_ratio: f64::from(RATIO),
+                    participation: f64::from(participation),
+                })
+                .collect(),
+                noise,
+                process_per_s2: 0.2,
+            };
+            observer.steady(f64::from(PERIOD_S))
         };
         let constants = TrackerConstants::new(&TrackerSettings {
             coupler: Coupler {
@@ -98,7 +101,7 @@ impl Scenario {
                 period_s: PERIOD_S,
             },
             inverse: true,
-            target: [target(SHOWN[0], 2e-8), target(SHOWN[1], 1.2e-7)],
+            target: [target(SHOWN[0], 2e-8)?, target(SHOWN[1], 1.2e-7)?],
             ahead_s: 0.0,
             trust_reading_hz: 5.0,
         })?;

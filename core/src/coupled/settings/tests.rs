@@ -5,6 +5,7 @@ use super::super::pair::Pair;
 use super::super::plant::tests::FRAME;
 use super::super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
 use super::super::response::observed;
+use super::super::rig::INTERFACE_AXIS as X;
 use super::*;
 use crate::config::Limits;
 use crate::matrix::Matrix;
@@ -33,7 +34,13 @@ fn structure() -> Structure<2> {
     }
 }
 
-fn settings() -> CoupledSettings<2> {
+/// A whole test.
+struct Settings {
+    config: Config,
+    coupled: CoupledSettings<2>,
+}
+
+fn settings() -> Settings {
     let spreads = [
         (Parameter::SlowPole(0), 0.06),
         (Parameter::SlowPole(1), 0.06),
@@ -60,8 +67,11 @@ fn settings() -> CoupledSettings<2> {
         stale_steps: Some(5),
         ..Limits::default()
     };
-    CoupledSettings {
-        config,
+    let target = |axis, noise| {
+        let observer = observed(&structure, axis, noise, 0.2).unwrap();
+        observer.steady(f64::from(PERIOD_S)).unwrap()
+    };
+    let coupled = CoupledSettings {
         tracker: TrackerSettings {
             coupler: COUPLER,
             estimate: EstimatorSettings {
@@ -71,16 +81,14 @@ fn settings() -> CoupledSettings<2> {
                 period_s: PERIOD_S,
             },
             inverse: true,
-            target: [
-                observed(&structure, 0, 1e-6, 0.2).unwrap(),
-                observed(&structure, 1, 1e-5, 0.2).unwrap(),
-            ],
+            target: [target(0, 1e-6), target(1, 1e-5)],
             ahead_s: 0.0,
             trust_reading_hz: 5.0,
         },
         structure,
         interface: [free(0.05), free(0.2)],
-    }
+    };
+    Settings { config, coupled }
 }
 
 fn shaking() -> [f32; POINTS] {
@@ -166,8 +174,8 @@ fn differences(ground: &GroundMotion<'_>, targets: &[Pair; STEPS], from: usize) 
 }
 
 /// A running test, with its laboratory.
-fn running(settings: &CoupledSettings<2>) -> (OuterLoop<2, CoupledRig>, Laboratory, Pair) {
-    let mut outer = OuterLoop::new(Design::coupled(settings).unwrap());
+fn running(settings: &Settings) -> (OuterLoop<2, CoupledRig>, Laboratory, Pair) {
+    let mut outer = OuterLoop::new(Design::coupled(&settings.config, &settings.coupled).unwrap());
     let mut laboratory = Laboratory::new();
     let mut sent_m = [0.0; 2];
     for tick in 0..20_000 {
@@ -222,7 +230,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
 fn every_interlock_acts_and_names_its_axis() {
     let points = shaking();
     let ground = GroundMotion::new(&points, 0.01, f64::from(PERIOD_S)).unwrap();
-    let trip = |change: &dyn Fn(&mut CoupledSettings<2>), spoil: &dyn Fn(&mut Sample<2>)| {
+    let trip = |change: &dyn Fn(&mut Settings), spoil: &dyn Fn(&mut Sample<2>)| {
         let mut settings = settings();
         change(&mut settings);
         let (mut outer, mut laboratory, mut sent_m) = running(&settings);
@@ -245,16 +253,32 @@ fn every_interlock_acts_and_names_its_axis() {
         None
     };
     let good = |_: &mut Sample<2>| ();
-    let as_is = |_: &mut CoupledSettings<2>| ();
+    let as_is = |_: &mut Settings| ();
     assert_eq!(trip(&as_is, &good), None);
-    type Change = fn(&mut CoupledSettings<2>);
+    type Change = fn(&mut Settings);
     let limits: [(Change, Fault, u8); 6] = [
-        (|s| s.interface[0].position = 1e-4, Fault::Displacement, 2),
-        (|s| s.interface[1].position = 1e-5, Fault::Displacement, 3),
-        (|s| s.interface[0].speed_per_s = 2e-2, Fault::Velocity, 2),
-        (|s| s.interface[1].speed_per_s = 1e-2, Fault::Velocity, 3),
-        (|s| s.interface[0].force = 20.0, Fault::Force, 2),
-        (|s| s.interface[1].force = 5.0, Fault::Force, 3),
+        (
+            |s| s.coupled.interface[0].position = 1e-4,
+            Fault::Displacement,
+            X,
+        ),
+        (
+            |s| s.coupled.interface[1].position = 1e-5,
+            Fault::Displacement,
+            X + 1,
+        ),
+        (
+            |s| s.coupled.interface[0].speed_per_s = 2e-2,
+            Fault::Velocity,
+            X,
+        ),
+        (
+            |s| s.coupled.interface[1].speed_per_s = 1e-2,
+            Fault::Velocity,
+            X + 1,
+        ),
+        (|s| s.coupled.interface[0].force = 20.0, Fault::Force, X),
+        (|s| s.coupled.interface[1].force = 5.0, Fault::Force, X + 1),
     ];
     for (change, fault, axis) in limits {
         assert_eq!(trip(&change, &good), Some((fault, axis)));
@@ -268,7 +292,7 @@ fn every_interlock_acts_and_names_its_axis() {
         s.config.limits.tracking_m = Some(1.0);
         s.config.limits.displacement_m = Some(1.0);
     };
-    assert_eq!(trip(&looser, &jump), Some((Fault::Tracking, 3)));
+    assert_eq!(trip(&looser, &jump), Some((Fault::Tracking, X + 1)));
     let spoilt = |spoil: fn(&mut Sample<2>)| trip(&as_is, &spoil).map(|t| t.0);
     assert_eq!(spoilt(|s| s.force_n[1] = f32::NAN), Some(Fault::NonFinite));
     assert_eq!(
@@ -321,18 +345,24 @@ fn a_hold_stands_still_and_the_test_goes_on_where_it_stood() {
 
 #[test]
 fn what_cannot_be_is_refused_by_name() {
-    let refused = |change: fn(&mut CoupledSettings<2>)| {
+    let refused = |change: fn(&mut Settings)| {
         let mut settings = settings();
         change(&mut settings);
-        Design::coupled(&settings).map(drop).unwrap_err().name
+        Design::coupled(&settings.config, &settings.coupled)
+            .map(drop)
+            .unwrap_err()
+            .name
     };
-    assert_eq!(refused(|s| s.structure.physical = 1), "structure.physical");
+    assert_eq!(
+        refused(|s| s.coupled.structure.physical = 1),
+        "structure.physical"
+    );
     assert_eq!(
         refused(|s| s.config.limits.force_n = None),
         "coupled.limits"
     );
     assert_eq!(
-        refused(|s| s.interface[1].position = 0.6),
+        refused(|s| s.coupled.interface[1].position = 0.6),
         "coupled.limits.rotation_rad"
     );
     assert!(observed(&structure(), 2, 1e-6, 0.2).is_err());
