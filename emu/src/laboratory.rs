@@ -16,12 +16,12 @@ use crate::permission::Permission;
 use crate::registers::{
     GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_EGR, Violation,
 };
+use crate::rig::AnyRig;
 use crate::servo::Servo;
 use crate::wire::{TURN_NS, Wire};
 use clock::WallClock;
 use link::{Calibration, MAX_ACTUATORS};
 use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
-use plant::Rig;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -36,7 +36,7 @@ const IDLE_TURN_NS: u64 = 500_000;
 /// The rig, the converters, and what goes wrong.
 pub struct Laboratory {
     wire: Wire,
-    rig: Rig,
+    rig: AnyRig,
     wired: [Calibration; MAX_ACTUATORS],
     /// What goes wrong, each after as many resets as there were before it.
     plan: VecDeque<PlannedFault>,
@@ -83,11 +83,11 @@ pub struct Laboratory {
 
 impl Laboratory {
     /// A laboratory with `rig` behind the board's own converters. `drill_address`: where the firmware looks for drills.
-    pub fn new(wire: Wire, rig: Rig, drill_address: u64) -> Self {
+    pub fn new(wire: Wire, rig: impl Into<AnyRig>, drill_address: u64) -> Self {
         let converters = Converters::Internal;
         Self {
             wire,
-            rig,
+            rig: rig.into(),
             wired: [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS],
             plan: VecDeque::new(),
             gone_wrong: 0,

@@ -5,6 +5,7 @@
 //!  nucleo       the board: the chip, its crystal, its supply, the serial line
 //!  chain        the converters between rig and chip: its own ADC and DAC, or an AD7606 and an AD5761R or AD5754R on its SPI
 //!  registers    what the image writes where the emulator has no model, and what it must have written
+//!  rig          the simulated rig, of either kind
 //!  servo        what goes wrong between command and rig
 //!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
@@ -41,6 +42,7 @@ pub mod nucleo;
 pub mod permission;
 mod processor;
 pub mod registers;
+mod rig;
 mod run;
 pub mod servo;
 pub mod wire;
@@ -52,5 +54,6 @@ pub use laboratory::Laboratory;
 pub use log::{InjectedFault, Log, LoggedEvent, PlannedFault};
 pub use permission::Contact;
 pub use registers::{Mutant, Violation};
+pub use rig::AnyRig;
 pub use run::run;
 pub use wire::Wire;

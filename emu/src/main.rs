@@ -2,8 +2,9 @@
 
 use clap::Parser;
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Converters, Firmware, InjectedFault, Laboratory, PlannedFault, Wire};
+use emu::{AnyRig, Converters, Firmware, InjectedFault, Laboratory, PlannedFault, Wire};
 use link::Calibration;
+use plant::coupled::{CoupledRig, CoupledRigSpec, CouplerSpec};
 use plant::{Rig, RigSpec};
 use serde::Deserialize;
 use std::io::{Read, Write};
@@ -24,6 +25,7 @@ struct Arguments {
 #[serde(deny_unknown_fields)]
 struct EmulatedRig {
     rig: RigSpec,
+    coupled: Option<CoupledLaboratory>,
     storey_n_per_m: Vec<f64>,
     rate_hz: f64,
     seed: u64,
@@ -36,6 +38,14 @@ struct EmulatedRig {
     #[serde(default)]
     four_wires: bool,
     mishap: Option<Mishap>,
+}
+
+/// Two coupled actuators, with the sensors of the rig.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CoupledLaboratory {
+    rig: CoupledRigSpec,
+    coupler: CouplerSpec,
 }
 
 /// What is done to the board.
@@ -74,8 +84,14 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     let room: EmulatedRig =
         toml::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))?;
-    let rig = Rig::new(&room.rig, &room.storey_n_per_m, room.rate_hz, room.seed)
-        .map_err(|e| e.to_string())?;
+    let (sensors, rate_hz, seed) = (&room.rig.sensors, room.rate_hz, room.seed);
+    let rig = match &room.coupled {
+        None => Rig::new(&room.rig, &room.storey_n_per_m, rate_hz, seed).map(AnyRig::from),
+        Some(own) => {
+            CoupledRig::new(&own.rig, &own.coupler, sensors, rate_hz, seed).map(AnyRig::from)
+        }
+    };
+    let rig = rig.map_err(|e| e.to_string())?;
     let wire = Wire::default();
     connect(&wire);
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)

@@ -57,6 +57,10 @@ pub trait Hardware<const A: usize = 1> {
     /// The period of sampling, in ticks of the sampling timer, from the next step on.
     fn set_period(&mut self, ticks: u32);
 
+    /// The commands leave at a later instant of each period, for steps that take longer, or at their usual one; from the next step
+    /// on. Without effect on a board whose tests all take as long.
+    fn leave_late(&mut self, _late: bool) {}
+
     /// Feeds the watchdog.
     fn feed(&mut self);
 

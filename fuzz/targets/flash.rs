@@ -6,15 +6,16 @@ use firmware::sim::{CLOCK, CODES};
 use firmware::station::{AnyLoop, FlashRecord, Setup, Wiring};
 use fuzz::begin_with;
 use libfuzzer_sys::fuzz_target;
+use link::command::BoardTest;
 use link::frame::checksum;
-use outerloop_core::{Config, Event, GroundMotion, Mode, OuterLoop, Sample};
+use outerloop_core::{Config, Event, GroundMotion, Mode, OuterLoop, Rig, Sample};
 
 fuzz_target!(
     init: begin_with(seeds()),
     |bytes: &[u8]| {
-        let _ = (Config::decode(bytes), Wiring::decode(bytes));
-        if let Some((_, config)) = Config::decode(&slot(Config::KIND, bytes)) {
-            as_configured(&config);
+        let _ = (BoardTest::decode(bytes), Wiring::decode(bytes));
+        if let Some((_, test)) = BoardTest::decode(&slot(BoardTest::KIND, bytes)) {
+            as_configured(&test);
         }
         if let Some((sequence, wiring)) = Wiring::decode(&slot(Wiring::KIND, bytes)) {
             let kept = wiring.encode(sequence).expect("it came from a slot");
@@ -34,27 +35,30 @@ fn slot(kind: [u8; 4], body: &[u8]) -> Vec<u8> {
     slot
 }
 
-fn as_configured(config: &Config) {
+fn as_configured(test: &BoardTest) {
+    let config = &test.config;
     for actuators in 1..=link::MAX_ACTUATORS {
-        let Ok(setup) = Setup::new(config, &CLOCK, actuators) else {
+        let mut setup = Setup::unconfigured(&CLOCK, actuators).expect("the clock allows 2 kHz");
+        if setup.replace(test, &CLOCK, actuators).is_err() {
             continue;
-        };
+        }
         match setup.outer {
             AnyLoop::One(outer) => runs(config, outer),
             AnyLoop::Two(outer) => runs(config, outer),
             AnyLoop::Three(outer) => runs(config, outer),
+            AnyLoop::Coupled(outer) => runs(config, outer),
         }
     }
 }
 
 /// The actuators do what they are told, one step later, against springs.
-fn runs<const N: usize>(config: &Config, mut outer: OuterLoop<N>) {
+fn runs<const N: usize, R: Rig<N>>(config: &Config, mut outer: OuterLoop<N, R>) {
     let points: Vec<f32> = (0..40).map(|i| (i as f32 * 0.7).sin()).collect();
     let Some(ground) = GroundMotion::new(&points, 0.01, config.model_step_s()) else {
         return;
     };
     let mut position_m = [0.0; N];
-    let mut step = |outer: &mut OuterLoop<N>| {
+    let mut step = |outer: &mut OuterLoop<N, R>| {
         let sample = Sample::new(position_m, position_m.map(|u| 1e5 * u));
         position_m = outer.step(&sample, &ground).command_m;
         assert!(position_m.iter().all(|u| u.is_finite()), "{position_m:?}");
@@ -86,10 +90,10 @@ fn seeds() -> Vec<Vec<u8>> {
     coupled.structure.physical_storeys = Some(1);
     let calibration = link::Calibration::over(0.1, 1e4, &CODES);
     let wiring = Wiring::new(calibration, &CODES).encode(0);
-    let configs = [Config::shear_frame([1e3], [158e3], [0.02]), coupled];
-    let mut seeds: Vec<_> = configs
+    let tests = [Config::shear_frame([1e3], [158e3], [0.02]), coupled].map(BoardTest::from);
+    let mut seeds: Vec<_> = tests
         .iter()
-        .map(|config| body(&config.encode(0).expect("it fits")))
+        .map(|test| body(&test.encode(0).expect("it fits")))
         .collect();
     seeds.push(body(&wiring.expect("it fits")));
     seeds

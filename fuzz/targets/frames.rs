@@ -92,7 +92,7 @@ fn seeds() -> Vec<Vec<u8>> {
         [vec![kind], found.expect("a frame")].concat()
     };
     let commands = [
-        Command::Configure(Config::shear_frame([1e3; 3], [158e3; 3], [0.02; 3])),
+        Command::Configure(Config::shear_frame([1e3; 3], [158e3; 3], [0.02; 3]).into()),
         Command::Motion {
             points: 400,
             interval_s: 0.01,

@@ -3,6 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::channel::Calibration;
 use heapless::Vec;
+use outerloop_core::coupled::CoupledSettings;
 use outerloop_core::watch::Instructions;
 use outerloop_core::{Config, Event, Pace};
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,53 @@ pub const MAX_POINTS: usize = 16_384;
 
 /// Points of the ground motion in one command.
 pub const CHUNK: usize = 128;
+
+/// A test as a board runs it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoardTest {
+    /// What every test has.
+    #[serde(with = "once")]
+    pub config: Config,
+    /// What a test of two coupled actuators has beside it; they are the board's first two.
+    #[serde(with = "once")]
+    pub coupled: Option<CoupledSettings<2>>,
+}
+
+/// Coded as it is, by one function for the link and for a board's flash: inlined in both, an image is 20 KiB larger.
+mod once {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[inline(never)]
+    pub fn serialize<T: Serialize, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
+        value.serialize(to)
+    }
+
+    #[inline(never)]
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<T, D::Error> {
+        T::deserialize(from)
+    }
+}
+
+impl BoardTest {
+    /// Actuators that take part in it.
+    pub fn actuators(&self) -> usize {
+        match &self.coupled {
+            Some(_) => 2,
+            None => self.config.physical_storeys(),
+        }
+    }
+}
+
+impl From<Config> for BoardTest {
+    fn from(config: Config) -> Self {
+        Self {
+            config,
+            coupled: None,
+        }
+    }
+}
 
 /// A command. Postcard; the frame's sequence number is the request's number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,7 +74,7 @@ pub enum Command {
     /// knows that the PC is there.
     Status,
     /// Exchange the whole test, while idle.
-    Configure(Config),
+    Configure(BoardTest),
     /// Exchange the calibration of an actuator's channels, while idle; actuators count from 0.
     Calibrate(u8, Calibration),
     /// Make the present reading of a channel the given value, by moving the channel's zero, while idle.

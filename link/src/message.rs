@@ -124,7 +124,7 @@ mod tests {
     use super::*;
     use crate::agreed::MAX_ACTUATORS;
     use crate::channel::{Calibration, TWELVE_BITS};
-    use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
+    use crate::command::{BoardTest, CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
     use crate::reply::{Identity, Obstacle, cut};
     use crate::status::{
@@ -132,9 +132,13 @@ mod tests {
     };
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
+    use outerloop_core::coupled::{
+        Bounds, CoupledSettings, Coupler, EstimatorSettings, MAX_PARAMETERS, Parameter, Plant,
+        SteadyObserver, TrackerSettings, VibrationMode,
+    };
     use outerloop_core::watch::{Cause, State};
     use outerloop_core::{
-        Config, Event, Fault, Method, Mode, Pace, Trip,
+        Config, Event, Fault, Method, Mode, Pace, Structure, Trip,
         config::{ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig},
     };
     use proptest::prelude::*;
@@ -208,13 +212,89 @@ mod tests {
         config
     }
 
+    /// The same of two coupled actuators, whose test has none of the lists and methods.
+    fn largest_coupled() -> BoardTest {
+        let (pair, single) = ([f64::MAX; 2], [f32::MAX; 2]);
+        let limit = Some(f64::MAX);
+        let mut config = Config::shear_frame(pair, pair, pair);
+        config.structure.physical_storeys = Some(2);
+        config.limits = Limits {
+            stale_steps: Some(u16::MAX),
+            displacement_m: limit,
+            velocity_m_per_s: limit,
+            force_n: limit,
+            tracking_m: limit,
+            frozen_m: limit,
+            energy_trip: limit,
+            force_stands_m: limit,
+            ..Limits::default()
+        };
+        let mode = VibrationMode {
+            omega_rad_per_s: f64::MAX,
+            damping_ratio: f64::MAX,
+            participation: f64::MAX,
+        };
+        let observer = SteadyObserver {
+            modes: [(mode, pair); 2].into_iter().collect(),
+        };
+        let bounds = Bounds {
+            position: f64::MAX,
+            speed_per_s: f64::MAX,
+            force: f64::MAX,
+            tracking: f64::MAX,
+        };
+        let coupled = CoupledSettings {
+            structure: Structure {
+                mass: [pair; 2],
+                damping: [pair; 2],
+                stiffness: [pair; 2],
+                numerical_stiffness: [pair; 2],
+                influence: pair,
+                physical: 2,
+                physical_mass_kg: pair,
+            },
+            tracker: TrackerSettings {
+                coupler: Coupler {
+                    pin_x_m: single,
+                    pin_y_m: single,
+                },
+                estimate: EstimatorSettings {
+                    plant: Plant {
+                        gain: [single; 2],
+                        slow_pole_rad_per_s: single,
+                        fast_pole_rad_per_s: single,
+                        lead_s: [single; 2],
+                        path_lead_s: [single; 2],
+                        natural_rad_per_s: f32::MAX,
+                        damping_ratio: f32::MAX,
+                        delay_s: single,
+                    },
+                    spreads: [(Parameter::PathLead(1, 1), f32::MAX); MAX_PARAMETERS]
+                        .into_iter()
+                        .collect(),
+                    noise_m: f32::MAX,
+                    period_s: f32::MAX,
+                },
+                inverse: true,
+                target: [observer.clone(), observer],
+                ahead_s: f32::MAX,
+                trust_reading_hz: f32::MAX,
+            },
+            interface: [bounds; 2],
+        };
+        BoardTest {
+            config,
+            coupled: Some(coupled),
+        }
+    }
+
     /// The body of a test with the numbers of force law and predictor that another build knows.
     fn configure_by_number(force: u8, predictor: u8) -> std::vec::Vec<u8> {
         let known = |kind| {
             let mut config = largest_config();
             config.compensation.kind = kind;
             let mut body = [0; MAX_BODY];
-            postcard::to_slice(&Command::Configure(config), &mut body)
+            postcard::to_slice(&Command::Configure(config.into()), &mut body)
                 .unwrap()
                 .to_vec()
         };
@@ -279,7 +359,8 @@ mod tests {
         let mut commands = std::vec![
             Command::Identify,
             Command::Status,
-            Command::Configure(largest_config()),
+            Command::Configure(largest_config().into()),
+            Command::Configure(largest_coupled()),
             Command::Calibrate(2, Calibration::nominal(&TWELVE_BITS)),
             Command::Zero {
                 actuator: 2,

@@ -7,7 +7,7 @@
 
 use heapless::Vec;
 use link::channel::{Calibration, CodeRange};
-use link::command::{Channel, CommissioningSignal, SignalShape};
+use link::command::{BoardTest, Channel, CommissioningSignal, SignalShape};
 use link::frame::{Decoder, DecoderCounts, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
@@ -15,10 +15,14 @@ use link::status::{CrashCause, CrashReport, NamedCause, StartCause, Status, Timi
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::config::{ActuatorTimes, Filter, Secant};
+use outerloop_core::coupled::{
+    Bounds, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, SteadyObserver,
+    TrackerSettings, VibrationMode,
+};
 use outerloop_core::watch::{
     Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Instructions, PARTS, State,
 };
-use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Trip};
+use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Structure, Trip};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -43,6 +47,75 @@ fn config_of_three() -> Config {
     config.estimation.delay_ms = times(&[3.0, 5.0, 8.0]);
     config.estimation.lag_ms = times(&[1.0, 1.5, 2.0]);
     config
+}
+
+/// Two actuators on one coupler, every number another one.
+fn coupled() -> CoupledSettings<2> {
+    let mode = |omega_rad_per_s, participation| VibrationMode {
+        omega_rad_per_s,
+        damping_ratio: 0.04,
+        participation,
+    };
+    let observer = |first: f64| SteadyObserver {
+        modes: [
+            (mode(12.0, first), [0.5, 3.0]),
+            (mode(58.0, 0.3), [0.25, 7.0]),
+        ]
+        .into_iter()
+        .collect(),
+    };
+    let bounds = |position: f64| Bounds {
+        position,
+        speed_per_s: 0.75,
+        force: 9e3,
+        tracking: 0.003,
+    };
+    CoupledSettings {
+        structure: Structure {
+            mass: [[1000.0, 2.0], [2.0, 60.0]],
+            damping: [[600.0, 5.0], [5.0, 90.0]],
+            stiffness: [[208e3, 60e3], [60e3, 192e3]],
+            numerical_stiffness: [[104e3, 30e3], [30e3, 96e3]],
+            influence: [1.0, 0.125],
+            physical: 2,
+            physical_mass_kg: [12.0, 1.5],
+        },
+        tracker: TrackerSettings {
+            coupler: Coupler {
+                pin_x_m: [0.25, 0.26],
+                pin_y_m: [-0.13, 0.12],
+            },
+            estimate: EstimatorSettings {
+                plant: Plant {
+                    gain: [[0.86, 0.13], [0.14, 0.93]],
+                    slow_pole_rad_per_s: [16.5, 22.0],
+                    fast_pole_rad_per_s: [250.0, 116.0],
+                    lead_s: [[0.001, 0.002], [0.0015, 0.0025]],
+                    path_lead_s: [[0.0, 0.053], [0.0, 0.032]],
+                    natural_rad_per_s: 500.0,
+                    damping_ratio: 0.62,
+                    delay_s: [0.002, 0.003],
+                },
+                spreads: [
+                    (Parameter::SlowPole(1), 0.06),
+                    (Parameter::FastPole(0), 0.05),
+                    (Parameter::Lead(0, 1), 0.04),
+                    (Parameter::PathLead(1, 1), 0.03),
+                    (Parameter::NaturalFrequency, 0.02),
+                    (Parameter::Gain(1, 0), 0.01),
+                ]
+                .into_iter()
+                .collect(),
+                noise_m: 2e-5,
+                period_s: 1e-3,
+            },
+            inverse: true,
+            target: [observer(-0.25), observer(0.625)],
+            ahead_s: 0.0,
+            trust_reading_hz: 5.0,
+        },
+        interface: [bounds(0.04), bounds(0.05)],
+    }
 }
 
 const ERROR_LIMIT: ErrorLimit = ErrorLimit {
@@ -104,10 +177,17 @@ fn commands() -> std::vec::Vec<(String, Command)> {
     let mut all = vec![
         ("identify", Command::Identify),
         ("status", Command::Status),
-        ("configure", Command::Configure(config())),
+        ("configure", Command::Configure(config().into())),
         (
             "configure three actuators",
-            Command::Configure(config_of_three()),
+            Command::Configure(config_of_three().into()),
+        ),
+        (
+            "configure two coupled actuators",
+            Command::Configure(BoardTest {
+                config: config(),
+                coupled: Some(coupled()),
+            }),
         ),
         (
             "calibrate",
@@ -183,7 +263,7 @@ fn commands() -> std::vec::Vec<(String, Command)> {
         config.compensation.secant = secant;
         all.push((
             format!("configure secant {secant:?}"),
-            Command::Configure(config),
+            Command::Configure(config.into()),
         ));
     }
     for filter in [Filter::Off, Filter::Kalman, Filter::LowPass] {
@@ -191,7 +271,7 @@ fn commands() -> std::vec::Vec<(String, Command)> {
         config.estimation.kind = filter;
         all.push((
             format!("configure filter {filter:?}"),
-            Command::Configure(config),
+            Command::Configure(config.into()),
         ));
     }
     all.extend(Event::ALL.map(|event| (format!("event {event:?}"), Command::Event(event))));

@@ -8,19 +8,22 @@ use super::mirror::Mirror;
 use super::operator::Operator;
 use super::orders::{done, event, status};
 use super::port::Port;
-use super::setup::ready;
+use super::setup::{Hold, ready};
 use super::trajectory::Trajectory;
 use super::upload::load;
 use crate::terminal::interrupt;
 use experiment::bench::Played;
 use experiment::bench::interface::{Bench, Ending, PreparedTest};
+use experiment::coupled::part::CoupledPart;
+use experiment::coupled::settings;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::trace::TestObserver;
 use link::Command;
-use link::command::MAX_POINTS;
+use link::command::{BoardTest, MAX_POINTS};
 use link::reply::Identity;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, Record, Trip};
+use outerloop_core::coupled::CoupledRig;
+use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Mode, Record, Rig, Trip};
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -85,12 +88,67 @@ impl<P: Port> Bench for BoardBench<P> {
         test: &PreparedTest<'_, N>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
+        let (identity, config) = self.ready((test.config, Hold::Storeys))?;
+        let design = Design::new(&config).map_err(Failure::input)?;
+        let (ending, _) = self.run_as(test, &identity, (config.into(), design), observer)?;
+        Ok(ending)
+    }
+
+    fn run_coupled<const N: usize>(
+        &self,
+        part: &CoupledPart,
+        test: &PreparedTest<'_, N, CoupledRig>,
+        observer: &mut dyn TestObserver,
+    ) -> Result<Ending, Failure> {
+        only_x_and_rotation(part)?;
+        let (identity, config) = self.ready((test.config, Hold::Coupler))?;
+        let kind = part.declared.compensation;
+        let of_loop = settings::of::<N>(&part.declared, &config, kind)?;
+        let design = Design::coupled(&config, &of_loop).map_err(Failure::input)?;
+        // The same with a number of coordinates that the link knows.
+        let coupled = Some(settings::of::<2>(&part.declared, &config, kind)?);
+        let sent = BoardTest { config, coupled };
+        let (ending, rig) = self.run_as(test, &identity, (sent, design), observer)?;
+        Ok(Ending {
+            actuators: rig.map(|rig| *rig.plant()),
+            ..ending
+        })
+    }
+}
+
+/// That a test of two coupled actuators has no further coordinates.
+///
+/// # Errors
+/// It has.
+pub(super) fn only_x_and_rotation(part: &CoupledPart) -> Result<(), Failure> {
+    match part.coordinates() {
+        2 => Ok(()),
+        more => Err(Failure::input(format!(
+            "coupled.structure.coordinates has {more} names: accepted on a board are 2, x and the rotation; the simulated rig runs up to 8"
+        ))),
+    }
+}
+
+impl<P: Port> BoardBench<P> {
+    /// The board, idle, and the configuration with the limits that it asks for.
+    fn ready(&self, test: (&Config, Hold)) -> Result<(Identity, Config), Failure> {
+        let wanted = (self.calibration.as_deref(), self.bits);
+        ready(&mut *self.connection.borrow_mut(), test, &self.plan, wanted)
+    }
+
+    /// Runs a test with the loop `design`, which the board is `sent`; gives the rig as that loop has it in the end, if every step of
+    /// it is known.
+    fn run_as<const N: usize, R: Rig<N>>(
+        &self,
+        test: &PreparedTest<'_, N, R>,
+        identity: &Identity,
+        (sent, design): (BoardTest, Design<N, R>),
+        observer: &mut dyn TestObserver,
+    ) -> Result<(Ending, Option<R>), Failure> {
         let points = points(test)?;
         let board = &mut *self.connection.borrow_mut();
-        let wanted = (self.calibration.as_deref(), self.bits);
-        let (identity, config) = ready(board, test.config, &self.plan, wanted)?;
-        let design = Design::new(&config).map_err(Failure::input)?;
-        let since = done(board, "configure", &Command::Configure(config.clone()))?;
+        let config = sent.config.clone();
+        let since = done(board, "configure", &Command::Configure(sent))?;
         load(board, points, test.interval_s)?;
         done(board, "signal", &Command::Signal(None))?;
 
@@ -102,23 +160,23 @@ impl<P: Port> Bench for BoardBench<P> {
             design,
             u32::from(config.timing.substeps),
             ground,
-            &identity,
+            identity,
             since,
         );
         interrupt::watch_rig();
-        let mut in_force = ConfiguredTest::<N>::new(board, mirror, since, &identity);
+        let mut in_force = ConfiguredTest::<N, R>::new(board, mirror, since, identity);
         if let Some(told) = observer.watches_the_loop() {
             in_force.watch(board, told)?;
         }
         let compared = config.limits.disagree_m.is_some();
-        in_force.arm(board, &identity, &self.operator, compared)?;
+        in_force.arm(board, identity, &self.operator, compared)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
         in_force.send(board, Event::Start)?;
         let running = Test {
             board,
             in_force,
-            identity: &identity,
+            identity,
             operator: &self.operator,
             wanted: test.steps,
             steps: Steps::default(),
@@ -129,7 +187,9 @@ impl<P: Port> Bench for BoardBench<P> {
 }
 
 /// The points of the ground motion that the test needs.
-fn points<'a, const N: usize>(test: &PreparedTest<'a, N>) -> Result<&'a [f32], Failure> {
+fn points<'a, const N: usize, R: Rig<N>>(
+    test: &PreparedTest<'a, N, R>,
+) -> Result<&'a [f32], Failure> {
     let config = test.config;
     let seconds = test.steps as f64 / config.timing.rate_hz / config.timing.time_scale;
     let needed = (seconds / test.interval_s).ceil() as usize + 2;
@@ -183,9 +243,9 @@ impl Steps {
 }
 
 /// A test that has been started.
-struct Test<'a, 'b, P, const N: usize> {
+struct Test<'a, 'b, P, const N: usize, R: Rig<N>> {
     board: &'b mut Connection<P>,
-    in_force: ConfiguredTest<'a, N>,
+    in_force: ConfiguredTest<'a, N, R>,
     identity: &'b Identity,
     operator: &'b Operator,
     /// Control steps that it has.
@@ -194,8 +254,12 @@ struct Test<'a, 'b, P, const N: usize> {
     phase: Phase,
 }
 
-impl<P: Port, const N: usize> Test<'_, '_, P, N> {
-    fn run(mut self, observer: &mut dyn TestObserver, began: Instant) -> Result<Ending, Failure> {
+impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
+    fn run(
+        mut self,
+        observer: &mut dyn TestObserver,
+        began: Instant,
+    ) -> Result<(Ending, Option<R>), Failure> {
         let (ended, lost) = loop {
             match self.go_on(observer) {
                 Ok(None) => {}
@@ -211,7 +275,9 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
         };
         let last = self.in_force.last();
         self.see(last, observer);
-        Ok(self.ending(ended, lost, began.elapsed().as_secs_f64()))
+        let rig = self.in_force.mirror().rig().cloned();
+        let ending = self.ending(ended, lost, began.elapsed().as_secs_f64());
+        Ok((ending, rig))
     }
 
     /// One step, and what somebody asks for in it; how the board has ended, if it has.

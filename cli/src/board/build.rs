@@ -25,6 +25,7 @@ pub fn built_image(image: Image) -> Result<PathBuf, Failure> {
         .join(name);
     let mut build = Command::new(root.join("scripts/cross"));
     build.args(["build", "-p", "firmware", "--bin", name, "--release"]);
+    build.args(image.features());
     announce(&built, "the board's image", "1 to 3 minutes");
     run(build.current_dir(&root).env("CARGO_TARGET_DIR", &target))?;
     Ok(built)

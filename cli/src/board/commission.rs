@@ -6,7 +6,7 @@ use super::limits::PlannedMotion;
 use super::operator::Operator;
 use super::orders::{clear, done, event, started_again, status};
 use super::port::Port;
-use super::setup::ready;
+use super::setup::{Hold, ready};
 use super::standing::Standing;
 use super::trajectory::Trajectory;
 use crate::terminal::interrupt;
@@ -14,11 +14,11 @@ use experiment::bench::Played;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::trace::TestObserver;
-use link::Command;
 use link::continuity::Ticks;
 use link::limits::CalibratedRange;
 use link::reply::Identity;
 use link::telemetry::StepReport;
+use link::{Command, MAX_ACTUATORS};
 use outerloop_core::{Event, Fault, Mode, Record, Trip};
 
 /// Steps for which the command has to stand after the end.
@@ -60,8 +60,12 @@ pub fn commission<P: Port>(
     }
     let plan = PlannedMotion::of_trajectory(test, trajectory, actuator);
     let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
-    let (identity, config) = ready(board, &test.config, &plan, wanted)?;
-    done(board, "configure", &Command::Configure(config.clone()))?;
+    let (identity, config) = ready(board, (&test.config, Hold::Storeys), &plan, wanted)?;
+    done(
+        board,
+        "configure",
+        &Command::Configure(config.clone().into()),
+    )?;
     trajectory.send(board, &config, actuator as u8)?;
     let shown = CalibratedRange::by_all(identity.calibrations(), &identity.codes);
     let rate_hz = config.timing.rate_hz;
@@ -128,7 +132,7 @@ impl SingleActuator {
         let mut asked = false;
         loop {
             if let Some(step) = &latest {
-                let standing = Standing::of(&self.identity, step, compared);
+                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, compared);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }

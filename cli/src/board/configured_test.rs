@@ -19,7 +19,7 @@ use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_core::watch::Instructions;
-use outerloop_core::{Event, Fault, Mode, Record};
+use outerloop_core::{DirectRig, Event, Fault, Mode, Record, Rig};
 
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
@@ -30,8 +30,8 @@ const REST_STEPS: u32 = 40;
 const UNSEEN_REST_STEPS: u32 = 10_000;
 
 /// A test from its configuration to its end.
-pub struct ConfiguredTest<'a, const N: usize> {
-    mirror: Mirror<'a, N>,
+pub struct ConfiguredTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
+    mirror: Mirror<'a, N, R>,
     since: u32,
     state: Mode,
     command_m: f32,
@@ -48,11 +48,11 @@ pub struct ConfiguredTest<'a, const N: usize> {
     latest: Option<(u32, StepReport)>,
 }
 
-impl<'a, const N: usize> ConfiguredTest<'a, N> {
+impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// Of a test that is in force on `board` from step `since` on; the board is `identity`.
     pub fn new<P: Port>(
         board: &Connection<P>,
-        mirror: Mirror<'a, N>,
+        mirror: Mirror<'a, N, R>,
         since: u32,
         identity: &Identity,
     ) -> Self {
@@ -86,7 +86,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     }
 
     /// The loop on the PC.
-    pub fn mirror(&self) -> &Mirror<'a, N> {
+    pub fn mirror(&self) -> &Mirror<'a, N, R> {
         &self.mirror
     }
 
@@ -255,7 +255,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         let mut asked = false;
         loop {
             if let Some((_, step)) = &self.latest {
-                let standing = Standing::of(identity, step, compared);
+                let standing = Standing::of(identity, N, step, compared);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }

@@ -5,7 +5,7 @@ use super::connection::BoardConnection;
 use super::limits::PlannedMotion;
 use super::operator::Operator;
 use super::orders::{calibrate, clear, done, event, identify, save, status};
-use super::setup::ready;
+use super::setup::{Hold, ready};
 use super::upload::load;
 use crate::terminal::interrupt;
 use experiment::Experiment;
@@ -270,8 +270,8 @@ fn configure(board: &mut BoardConnection, experiment: &Experiment) -> Result<(),
     let (_, plan) = planned(experiment)?;
     let mut config = experiment.test.config.clone();
     config.limits = plan.without_board(&config.limits);
-    let (_, config) = ready(board, &config, &plan, (None, None))?;
-    done(board, "configure", &Command::Configure(config)).map(drop)
+    let (_, config) = ready(board, (&config, Hold::Storeys), &plan, (None, None))?;
+    done(board, "configure", &Command::Configure(config.into())).map(drop)
 }
 
 /// Lets so many steps pass.

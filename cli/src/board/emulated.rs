@@ -1,5 +1,6 @@
 //! The flashed image on an emulated board: both are built, and the link runs over the emulator's pipes.
 
+use super::bench::only_x_and_rotation;
 use super::build::{built_emulator, built_image};
 use super::desk::{self, Mishap};
 use super::image::Image;
@@ -10,6 +11,7 @@ use experiment::files::test::TestFile;
 use link::Calibration;
 use outerloop_core::config::Limits;
 use plant::RigSpec;
+use plant::coupled::{CoupledRigSpec, CouplerSpec};
 use serde::{Deserialize, Serialize};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
@@ -30,6 +32,9 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     let actuators = config.physical_storeys().min(floors);
     let rate_hz = config.timing.rate_hz;
     let refuse = |what: String| Err(Failure::input(format!("--emulated: {what}")));
+    if let Some(part) = &test.coupled {
+        only_x_and_rotation(part)?;
+    }
     let Some(image) = Image::of(test) else {
         let bits = match (actuators, test.board.converter_bits) {
             (3, Some(bits)) => format!(" and board.converter_bits = {bits}"),
@@ -63,6 +68,8 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
 pub struct EmulatedRig {
     /// The rig behind the converters.
     pub rig: RigSpec,
+    /// Two coupled actuators in place of those of `rig`, whose sensors they have.
+    pub coupled: Option<CoupledLaboratory>,
     /// Stiffness of the structure's storeys with an actuator, N/m.
     pub storey_n_per_m: Vec<f64>,
     /// Rate at which the rig is stepped, Hz: the control rate.
@@ -81,6 +88,15 @@ pub struct EmulatedRig {
     pub mishap: Option<Mishap>,
 }
 
+/// Two coupled actuators and what they hold.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CoupledLaboratory {
+    /// The rig.
+    pub rig: CoupledRigSpec,
+    /// Where the actuators hold the coupler.
+    pub coupler: CouplerSpec,
+}
+
 impl EmulatedRig {
     /// The laboratory of a test file that an image can run, see [`can_run`].
     pub fn of(test: &TestFile, seed: u64) -> Self {
@@ -89,6 +105,10 @@ impl EmulatedRig {
         let physical = config.physical_storeys().min(config.degrees_of_freedom());
         Self {
             rig: test.plant.clone(),
+            coupled: test.coupled.as_ref().map(|part| CoupledLaboratory {
+                rig: part.rig.clone(),
+                coupler: part.declared.coupler.clone(),
+            }),
             storey_n_per_m: config
                 .structure
                 .stiffness_n_per_m

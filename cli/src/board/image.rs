@@ -24,6 +24,9 @@ impl Image {
     /// The one that a test asks for; `None` if there is none with its actuators.
     pub fn of(test: &TestFile) -> Option<Self> {
         let config = &test.config;
+        if test.coupled.is_some() {
+            return Some(Self::Three);
+        }
         match config.physical_storeys().min(config.degrees_of_freedom()) {
             1 if test.board.converter_bits == Some(16) => Some(Self::External),
             1 => Some(Self::Internal),
@@ -32,7 +35,7 @@ impl Image {
         }
     }
 
-    /// Its actuators; a test has to have as many.
+    /// Its actuators; a test has to have as many, or two on a coupler where there are three.
     pub fn actuators(self) -> usize {
         match self {
             Self::Internal | Self::External => 1,
@@ -46,6 +49,14 @@ impl Image {
             Self::Internal => "nucleo_f429zi",
             Self::External => "nucleo_f429zi_16",
             Self::Three => "nucleo_f429zi_3",
+        }
+    }
+
+    /// What it is built with beside the firmware's own features: of coupled actuators it takes three outputs to have the loop.
+    pub fn features(self) -> &'static [&'static str] {
+        match self {
+            Self::Internal | Self::External => &[],
+            Self::Three => &["--features", "coupled"],
         }
     }
 

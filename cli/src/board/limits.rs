@@ -66,22 +66,20 @@ impl PlannedMotion {
         let config = &experiment.test.config;
         let timing = &config.timing;
         let step_s = config.model_step_s() * timing.time_scale;
-        let actuators = config.physical_storeys().min(config.degrees_of_freedom());
-        let mut fastest = 0.0_f64;
-        for floor in 0..actuators {
-            let mut last = None;
-            for now in ideal.floor(floor).map(f64::from) {
-                fastest = fastest.max(last.map_or(0.0, |last: f64| (now - last).abs() / step_s));
-                last = Some(now);
+        let (mut peak_m, mut fastest, mut force_n) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut last_m: Option<Vec<f64>> = None;
+        for floors_m in (0..ideal.steps()).filter_map(|step| ideal.at(step)) {
+            let (at_m, pulled_n) = at_actuators(&experiment.test, floors_m);
+            for (actuator, now_m) in at_m.iter().enumerate() {
+                let moved_m = last_m
+                    .as_ref()
+                    .map_or(0.0, |last_m| now_m - last_m[actuator]);
+                fastest = fastest.max(moved_m.abs() / step_s);
+                peak_m = peak_m.max(now_m.abs());
             }
+            force_n = pulled_n.into_iter().fold(force_n, f64::max);
+            last_m = Some(at_m);
         }
-        let peaks_m = ideal.peaks_m().into_iter().take(actuators);
-        let storeys = laboratory_storeys(&experiment.test);
-        let force_n = (0..ideal.steps())
-            .filter_map(|step| ideal.at(step))
-            .flat_map(|floors_m| forces_n(storeys, floors_m))
-            .fold(0.0, f64::max);
-        let peak_m = peaks_m.fold(0.0, f64::max);
         Self {
             force_stands_m: (peak_m > 0.0).then_some(FORCE_STANDS * peak_m),
             ..Self::with(&experiment.test, peak_m, fastest, force_n)
@@ -178,6 +176,29 @@ fn laboratory_storeys(test: &TestFile) -> &[f64] {
     let storeys = &test.config.structure.stiffness_n_per_m;
     let physical = test.config.physical_storeys().min(storeys.len());
     &storeys[..physical]
+}
+
+/// Where each actuator is and what it feels of an elastic specimen, m and N, with the structure so.
+fn at_actuators(test: &TestFile, floors_m: &[f32]) -> (Vec<f64>, Vec<f64>) {
+    let Some(part) = &test.coupled else {
+        let storeys = laboratory_storeys(test);
+        let own = floors_m.iter().take(storeys.len()).copied();
+        return (
+            own.map(f64::from).collect(),
+            forces_n(storeys, floors_m).collect(),
+        );
+    };
+    let at = [0, 1].map(|i| f64::from(floors_m[i]));
+    let declared = &part.declared;
+    let resultant = declared
+        .specimen
+        .stiffness
+        .map(|row| row[0] * at[0] + row[1] * at[1]);
+    let forces_n = declared.coupler.forces_n(resultant, at[1]);
+    (
+        declared.coupler.strokes_m(at).to_vec(),
+        forces_n.map(f64::abs).to_vec(),
+    )
 }
 
 /// Forces on the actuators, N, of elastic storeys whose floors stand so, m: each floor is held by the storeys below and

@@ -10,7 +10,8 @@ use link::reply::Identity;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, InPlace, Mode, OuterLoop, Pace, Record, Sample, flag,
+    Design, DirectRig, Event, Fault, GroundMotion, InPlace, Mode, OuterLoop, Pace, Record, Rig,
+    Sample, flag,
 };
 use std::collections::VecDeque;
 
@@ -34,8 +35,8 @@ enum SentToBoard<const N: usize> {
 }
 
 /// The loop on the PC.
-pub struct Mirror<'a, const N: usize> {
-    outer: OuterLoop<N>,
+pub struct Mirror<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
+    outer: OuterLoop<N, R>,
     in_place: InPlace<N>,
     ground: GroundMotion<'a>,
     /// Of each actuator its calibration, and the remainder of its command's codes.
@@ -57,11 +58,11 @@ pub struct Mirror<'a, const N: usize> {
     seen: MirrorCounts,
 }
 
-impl<'a, const N: usize> Mirror<'a, N> {
+impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
     /// The loop that is in force on the board `identity` from step `since` on, `substeps` control steps to an integration
     /// step.
     pub fn new(
-        design: Design<N>,
+        design: Design<N, R>,
         substeps: u32,
         ground: GroundMotion<'a>,
         identity: &Identity,
@@ -120,6 +121,11 @@ impl<'a, const N: usize> Mirror<'a, N> {
     /// The force that the last target is answered with, N, if every step until now is proven.
     pub fn answer_n(&self) -> Option<&[f32; N]> {
         self.in_step.then(|| self.outer.answer_n())
+    }
+
+    /// The rig as the loop has it, if every step until now is proven.
+    pub fn rig(&self) -> Option<&R> {
+        self.in_step.then(|| self.outer.rig())
     }
 
     /// Every step until now is proven.

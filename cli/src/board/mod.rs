@@ -50,7 +50,7 @@ pub use operator::Operator;
 pub(crate) use orders::done;
 pub use orders::{calibrate, calibrate_one, clear, identify, save, status, zero};
 pub use port::{Port, Serial};
-pub(crate) use setup::ready;
+pub(crate) use setup::{Hold, ready};
 pub use standing::PistonsAt;
 pub use trajectory::Trajectory;
 pub use wording::{describe, describe_words};

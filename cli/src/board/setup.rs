@@ -11,23 +11,35 @@ use link::limits::CalibratedRange;
 use link::reply::Identity;
 use outerloop_core::{Config, Mode};
 
-/// Who the board is, and `config` with all limits that it asks for. `wanted`: the number that its calibration has to have,
-/// eight hexadecimal digits, and the bits of its converters.
+/// Who the board is, and `config` with all limits that it asks for. `hold`: how the test's actuators hold the structure;
+/// `wanted`: the number that its calibration has to have, eight hexadecimal digits, and the bits of its converters.
 ///
 /// # Errors
 /// A board that is silent, not idle or otherwise calibrated; limits that cannot act on it.
 pub(crate) fn ready<P: Port>(
     board: &mut Connection<P>,
-    config: &Config,
+    (config, hold): (&Config, Hold),
     plan: &PlannedMotion,
     wanted: (Option<&str>, Option<u16>),
 ) -> Result<(Identity, Config), Failure> {
     let identity = identify(board)?;
     make_idle(board)?;
     check_board(wanted, &identity)?;
-    check_actuators(config, &identity)?;
-    let config = with_limits(config, plan, &identity)?;
+    let actuators = match hold {
+        Hold::Storeys => check_actuators(config, &identity)?,
+        Hold::Coupler => check_coupled(&identity)?,
+    };
+    let config = with_limits(config, plan, (&identity, actuators))?;
     Ok((identity, config))
+}
+
+/// What a test's actuators hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Hold {
+    /// Each a storey of its own.
+    Storeys,
+    /// Two of them a coupler.
+    Coupler,
 }
 
 /// Checks that the board is idle.
@@ -72,12 +84,12 @@ fn check_board(
     }
 }
 
-/// The board has an actuator for each storey that stands in the laboratory, and no other.
-fn check_actuators(config: &Config, identity: &Identity) -> Result<(), Failure> {
+/// The board has an actuator for each storey that stands in the laboratory, and no other; how many.
+fn check_actuators(config: &Config, identity: &Identity) -> Result<usize, Failure> {
     let storeys = config.physical_storeys().min(config.degrees_of_freedom());
     let own = identity.actuators();
     if storeys == own {
-        return Ok(());
+        return Ok(own);
     }
     Err(Failure::input(format!(
         "the test has {storeys} storeys in the laboratory, each with an actuator, and the board has {own}: accepted is a test with as many (structure.physical_storeys), or the image with as many actuators ({} for 3)",
@@ -85,13 +97,26 @@ fn check_actuators(config: &Config, identity: &Identity) -> Result<(), Failure> 
     )))
 }
 
-/// The configuration with all limits that a board asks for; those that were worked out are shown to the person.
+/// The board has the loop of two coupled actuators; how many those are.
+fn check_coupled(identity: &Identity) -> Result<usize, Failure> {
+    if identity.actuators() == Image::Three.actuators() {
+        return Ok(2);
+    }
+    Err(Failure::input(format!(
+        "the test has two coupled actuators, [coupled], and the board has {}: accepted is the image {}, whose first two they are",
+        identity.actuators(),
+        Image::Three.name()
+    )))
+}
+
+/// The configuration with all limits that a board asks for of its first actuators; those that were worked out are shown to the person.
 fn with_limits(
     config: &Config,
     plan: &PlannedMotion,
-    identity: &Identity,
+    (identity, actuators): (&Identity, usize),
 ) -> Result<Config, Failure> {
-    let shown = CalibratedRange::by_all(identity.calibrations(), &identity.codes);
+    let used = identity.calibrations().take(actuators);
+    let shown = CalibratedRange::by_all(used, &identity.codes);
     let mut limited = config.clone();
     limited.limits = plan.limits(&config.limits, &shown);
     if limited.limits != config.limits {

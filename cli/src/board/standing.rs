@@ -47,10 +47,10 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// In the step `step` of the board `identity`; `compared`: the test has a second displacement compared, which is that of
-    /// actuator 1.
-    pub fn of(identity: &Identity, step: &StepReport, compared: bool) -> Self {
-        let each = identity.calibrations().enumerate();
+    /// In the step `step` of the board `identity`, of the actuators of a test with so many coordinates; `compared`: it has a
+    /// second displacement compared, which is that of actuator 1.
+    pub fn of(identity: &Identity, coordinates: usize, step: &StepReport, compared: bool) -> Self {
+        let each = identity.calibrations().enumerate().take(coordinates);
         let read = each.filter_map(|(actuator, lines)| {
             let [displacement, force] = step.codes(actuator)?;
             Some([

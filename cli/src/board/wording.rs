@@ -1,8 +1,10 @@
 //! What a board says, in words.
 
+use experiment::coupled::figures::axis_name;
 use experiment::watch::{NamedCause, WatchEvent};
 use link::reply::Identity;
 use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
+use outerloop_core::coupled::INTERFACE_AXIS;
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
@@ -84,6 +86,10 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     lines.splice(1..1, describe_readings(identity, status));
     if let Some(trip) = status.trip {
         let of = match trip.limited_axis() {
+            Some(axis) if axis >= usize::from(INTERFACE_AXIS) => {
+                let name = axis_name(trip.axis).unwrap_or("the interface");
+                format!(" of {name}")
+            }
             Some(axis) if several => format!(" of actuator {}", axis + 1),
             _ => String::new(),
         };

@@ -5,7 +5,7 @@ use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::board::limits::PlannedMotion;
 use crate::board::operator::Operator;
-use crate::board::{BoardConnection, ConfiguredTest, Mirror, clear, done, ready, status};
+use crate::board::{BoardConnection, ConfiguredTest, Hold, Mirror, clear, done, ready, status};
 use crate::scope::Scope;
 use experiment::bench::OnBoard;
 use experiment::failure::Failure;
@@ -206,9 +206,13 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
             self.wanted.calibration.as_deref(),
             self.wanted.converter_bits,
         );
-        let (identity, config) = ready(board, &self.config, &self.plan, wanted)?;
+        let (identity, config) = ready(board, (&self.config, Hold::Storeys), &self.plan, wanted)?;
         let design = Design::<N>::new(&config).map_err(Failure::input)?;
-        let since = done(board, "configure", &Command::Configure(config.clone()))?;
+        let since = done(
+            board,
+            "configure",
+            &Command::Configure(config.clone().into()),
+        )?;
         done(board, "signal", &Command::Signal(None))?;
         done(board, "pace", &Command::Pace(Some(self.pace)))?;
         let mut mirror = Mirror::new(

@@ -86,8 +86,6 @@ impl Run {
             super::coupled::refuse(&[
                 ("--signal", self.signal.is_some()),
                 ("--model", self.model.is_some()),
-                ("--emulated", self.place.kind() == RigKind::Emulated),
-                ("--port", self.place.kind() == RigKind::Board),
                 ("--scope", self.scope.is_wanted()),
             ])?;
         }

@@ -47,7 +47,7 @@ fn commands(converters: Converters) -> VecDeque<Command> {
     let points = pulse();
     let mut all = VecDeque::from([
         Command::Calibrate(0, Calibration::over(0.05, 1e4, &converters.widths())),
-        Command::Configure(config()),
+        Command::Configure(config().into()),
         Command::Motion {
             points: points.len() as u32,
             interval_s: 0.01,

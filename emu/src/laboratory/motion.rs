@@ -47,18 +47,19 @@ impl Laboratory {
         if self.four_wires {
             return self.wired_shown(pins);
         }
-        let reading = self.rig.step(&self.stands_at_m[..actuators]);
+        let reading = self.rig.step(&self.stands_at_m[..actuators], closed);
+        let followed = self.rig.goes_where_it_is_sent();
         let mut shown = Shown::default();
         for (actuator, wired) in self.wired.iter().enumerate().take(actuators) {
-            let (at_m, n) = (reading.displacement_m[actuator], reading.force_n[actuator]);
-            if moves(actuator) {
+            let [at_m, n] = reading[actuator];
+            if followed && moves(actuator) {
                 self.stands_at_m[actuator] = at_m;
             }
             shown.displacement[actuator] = chain::sensor_code(wired.displacement, at_m);
             shown.force[actuator] = chain::sensor_code(wired.force, n);
         }
         shown.second_displacement = shown.displacement[0];
-        let (at_m, [last_m, before_m]) = (reading.displacement_m[0], self.was_at_m);
+        let ([[at_m, _], ..], [last_m, before_m]) = (reading, self.was_at_m);
         shown.acceleration_m_per_s2 = (at_m - 2.0 * last_m + before_m) / (period_s * period_s);
         self.was_at_m = [at_m, last_m];
         self.keep(pins, at_m);

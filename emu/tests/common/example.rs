@@ -24,7 +24,7 @@ fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
 /// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again. And how
 /// the board is behind it.
 pub fn run(experiment: &Experiment, ideal: &Response) -> (JudgedRun, Status) {
-    let method = experiment.test.config.compensation.kind;
+    let method = experiment.test.compensation();
     let bench = bench(experiment, ideal);
     let run = experiment
         .run_on(&bench, method, ideal, true, None::<Trace>)

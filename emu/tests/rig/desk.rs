@@ -274,7 +274,7 @@ impl Desk {
     /// Calibrates the board, configures and loads a test, and lets it idle for a while.
     pub fn load(&mut self) {
         self.calibrate();
-        self.order(Command::Configure(config()));
+        self.order(Command::Configure(config().into()));
         let points = pulse();
         self.order(Command::Motion {
             points: points.len() as u32,

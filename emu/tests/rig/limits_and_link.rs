@@ -39,7 +39,7 @@ fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
     desk.load();
     let mut config = config();
     change(&mut config);
-    desk.order(Command::Configure(config));
+    desk.order(Command::Configure(config.into()));
     for _ in 0..300 {
         desk.step();
     }
@@ -267,11 +267,11 @@ fn a_test_without_limits_and_a_board_without_calibration_are_refused() {
     let mut desk = Desk::new(None);
     let mut open = config();
     open.limits = Default::default();
-    let Reply::Refused(refused) = desk.ask(Command::Configure(open)) else {
+    let Reply::Refused(refused) = desk.ask(Command::Configure(open.into())) else {
         panic!("a test without limits is accepted");
     };
     assert_eq!(refused.name.as_str(), "limits.displacement_m");
-    desk.order(Command::Configure(config()));
+    desk.order(Command::Configure(config().into()));
     let reply = desk.ask(Command::Event(Event::Arm));
     let nobody = Some(Obstacle::NotCalibrated);
     assert!(
@@ -371,7 +371,7 @@ fn a_configuration_with_a_number_that_is_none_is_refused_and_changes_nothing() {
     for value in [f64::NAN, f64::INFINITY, -1.0] {
         let mut bad = config();
         bad.limits.displacement_m = Some(value);
-        let Reply::Refused(refused) = desk.ask(Command::Configure(bad)) else {
+        let Reply::Refused(refused) = desk.ask(Command::Configure(bad.into())) else {
             panic!("{value} is accepted");
         };
         assert_eq!(refused.name.as_str(), "limits.displacement_m");

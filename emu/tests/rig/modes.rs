@@ -34,7 +34,7 @@ fn board(mode: Mode) -> Desk {
     if mode == Mode::Stopping {
         config.timing.hold_deceleration_m_per_s2 = SLOW_M_PER_S2;
     }
-    desk.order(Command::Configure(config));
+    desk.order(Command::Configure(config.into()));
     wait(&mut desk, 300);
     desk
 }

@@ -75,7 +75,7 @@ fn arming_wants_a_test_and_something_to_run() {
         obstacle(&mut desk, Command::Signal(Some(signal))),
         not_configured
     );
-    desk.order(Command::Configure(config()));
+    desk.order(Command::Configure(config().into()));
     assert_eq!(obstacle(&mut desk, arm()), Some(Obstacle::NothingToRun));
     desk.order(Command::Signal(Some(signal)));
     desk.order(Command::Signal(None));
@@ -105,7 +105,7 @@ fn targets_that_stop_coming_trip_the_test_and_the_steps_before_are_kept() {
     let mut config = config();
     (config.timing.substeps, config.timing.solve_substeps) = (20, 12);
     config.timing.late_limit_steps = 200;
-    desk.order(Command::Configure(config));
+    desk.order(Command::Configure(config.into()));
     desk.order(Command::Pace(Some(Pace::Continuous)));
     for _ in 0..300 {
         desk.step();
@@ -142,7 +142,7 @@ fn targets_that_stop_coming_trip_the_test_and_the_steps_before_are_kept() {
 fn a_ground_motion_with_a_gap_or_another_sum_is_not_loaded() {
     let mut desk = Desk::new(None);
     desk.calibrate();
-    desk.order(Command::Configure(config()));
+    desk.order(Command::Configure(config().into()));
     let points = [0.5_f32; 100];
     let sum = checksum(points.iter().flat_map(|p| p.to_le_bytes()));
     let motion = |checksum| Command::Motion {
@@ -238,7 +238,7 @@ fn what_the_rig_watch_cannot_be_told_is_refused_in_a_sentence() {
         obstacle(&mut desk, Command::Watch(0, told())),
         Some(Obstacle::NotConfigured)
     );
-    desk.order(Command::Configure(config()));
+    desk.order(Command::Configure(config().into()));
     let mut slow = told();
     slow.declared.rate_hz = 1000.0;
     for (actuator, told, says) in [

@@ -88,7 +88,7 @@ fn a_sector_is_erased_when_the_other_is_full_and_the_board_keeps_its_period() {
     assert_eq!(desk.status().timing.period_cycles, AT_1_KHZ);
     desk.load();
     // The period in which the rate changed is of neither: times count from here on.
-    desk.order(Command::Configure(config()));
+    desk.order(Command::Configure(config().into()));
     let before = desk.log().periods;
     desk.order(Command::Save);
     let lasted = desk.log().periods - before;

@@ -48,7 +48,7 @@ fn a_test_whose_loop_has_seen_no_sample_is_not_armed() {
     }
     let mut config = config();
     config.limits.stale_steps = Some(500);
-    desk.order(Command::Configure(config));
+    desk.order(Command::Configure(config.into()));
     desk.order(Command::Signal(Some(CommissioningSignal {
         actuator: 0,
         shape: SignalShape::Sine { frequency_hz: 5.0 },

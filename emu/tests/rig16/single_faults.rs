@@ -169,7 +169,7 @@ fn desk(
     desk.load();
     let mut limited = config();
     limited.limits = limits.clone();
-    let reply = desk.ask(Command::Configure(limited));
+    let reply = desk.ask(Command::Configure(limited.into()));
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
     for _ in 0..300 {
         desk.step();

@@ -9,6 +9,7 @@ const IMAGE: Image = Image::Three;
 
 mod actuators;
 mod converters;
+mod coupled;
 #[path = "../rig/desk.rs"]
 #[expect(dead_code, reason = "what only the scenarios with one actuator use")]
 mod desk;

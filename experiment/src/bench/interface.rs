@@ -134,10 +134,5 @@ pub trait Bench {
         part: &CoupledPart,
         test: &PreparedTest<'_, N, CoupledRig>,
         observer: &mut dyn TestObserver,
-    ) -> Result<Ending, Failure> {
-        let _ = (part, test, observer);
-        Err(Failure::input(
-            "the test has two coupled actuators, [coupled], and no board has their loop yet: accepted is the simulated rig",
-        ))
-    }
+    ) -> Result<Ending, Failure>;
 }

@@ -144,7 +144,7 @@ impl TestFile {
         if test.coupled.is_some() {
             return Err(Failure::input(format!(
                 "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep, replay \
-                 and diff, on the simulated rig",
+                 and diff",
                 path.display()
             )));
         }

@@ -113,7 +113,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     orders,
                     spare: setup(),
                     writable: leak(Points::new()).claim(),
-                    config: None,
+                    test: None,
                     calibrations: core::iter::repeat_n(None, A).collect(),
                     watch: WatchParts {
                         watches: leak(Watches::new()),
@@ -199,11 +199,11 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         match asked {
             CommandResult::Reply(answer) => Some(answer),
             CommandResult::Wait => None,
-            CommandResult::Save(config, wirings) => {
+            CommandResult::Save(test, wirings) => {
                 let length = |slot: &[u8]| slot.len();
                 let slots = wirings.into_iter().flatten().map(|w| w.encode(0));
                 self.saved = [
-                    config.and_then(|c| c.encode(0)).map(|slot| length(&slot)),
+                    test.and_then(|t| t.encode(0)).map(|slot| length(&slot)),
                     slots.map(|slot| Some(length(&slot?))).sum(),
                 ];
                 Some(self.service.saved(self.saved != [None; 2]))

@@ -31,6 +31,7 @@ pub const CLOCK: Clock = Clock {
     slowest_rate_hz: 100,
     fastest_rate_hz: 3400,
     deadline_ticks: u32::MAX,
+    late_deadline_ticks: u32::MAX,
     around_step_ticks: 0,
     correction_ticks: 0,
     stopwatch_hz: 168_000_000,

@@ -1,6 +1,9 @@
-//! The outer loop for the number of degrees of freedom that a test has.
+//! The outer loop for the number of degrees of freedom and the rig that a test has.
 
 use super::rehearsal::rehearse;
+use link::command::BoardTest;
+#[cfg(coupled)]
+use outerloop_core::coupled::{CoupledRig, CoupledSettings};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
@@ -16,6 +19,9 @@ pub enum AnyLoop {
     Two(OuterLoop<2>),
     /// Three.
     Three(OuterLoop<3>),
+    /// x and rotation of a coupler that two actuators hold. Only images with as many actuators have it.
+    #[cfg(coupled)]
+    Coupled(OuterLoop<2, CoupledRig>),
 }
 
 /// Does `$body` with the loop, of whatever size.
@@ -25,13 +31,15 @@ macro_rules! each_loop {
             $crate::station::any_loop::AnyLoop::One($outer) => $body,
             $crate::station::any_loop::AnyLoop::Two($outer) => $body,
             $crate::station::any_loop::AnyLoop::Three($outer) => $body,
+            #[cfg(coupled)]
+            $crate::station::any_loop::AnyLoop::Coupled($outer) => $body,
         }
     };
 }
 pub(super) use each_loop;
 
 impl AnyLoop {
-    /// The loop of a test.
+    /// The loop of a test without actuators on a coupler.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
@@ -49,13 +57,31 @@ impl AnyLoop {
     ///
     /// # Errors
     /// The first parameter that is not accepted.
-    pub fn replace(&mut self, config: &Config) -> Result<(), Refusal> {
+    pub fn replace(&mut self, test: &BoardTest) -> Result<(), Refusal> {
+        let config = &test.config;
+        if let Some(_coupled) = &test.coupled {
+            #[cfg(coupled)]
+            return self.put_coupled(config, _coupled);
+            #[cfg(not(coupled))]
+            return Err(not_coupled());
+        }
         match config.structure.mass_kg.len() {
             1 => self.put(config, Self::One),
             2 => self.put(config, Self::Two),
             3 => self.put(config, Self::Three),
             floors => Err(too_many(floors)),
         }
+    }
+
+    #[cfg(coupled)]
+    #[inline(never)]
+    fn put_coupled(
+        &mut self,
+        config: &Config,
+        coupled: &CoupledSettings<2>,
+    ) -> Result<(), Refusal> {
+        *self = Self::Coupled(OuterLoop::new(Design::coupled(config, coupled)?));
+        Ok(())
     }
 
     /// Not inlined: a loop is a sixth of the stack, and what it passes through must not add up.
@@ -153,5 +179,14 @@ fn too_many(floors: usize) -> Refusal {
         name: "structure.mass_kg",
         value: floors as f64,
         accepted: "1 to 3 floors on this board",
+    }
+}
+
+/// Of an image that has no loop for two coupled actuators.
+pub(super) fn not_coupled() -> Refusal {
+    Refusal {
+        name: "coupled",
+        value: f64::NAN,
+        accepted: "a test without coupled actuators on this image, or the image for three actuators",
     }
 }

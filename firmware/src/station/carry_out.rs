@@ -42,6 +42,7 @@ impl<const A: usize> Station<A> {
                 self.setup.outer.make_way_for(&mut setup.outer);
                 let old = core::mem::replace(&mut self.setup, setup);
                 hardware.set_period(self.setup.period_ticks);
+                hardware.leave_late(self.setup.leaves_late);
                 (self.signal, self.targets_from_pc) = (None, false);
                 self.spacing = Spacing::new();
                 Ok(Returned::Setup(old, self.motion.take()))

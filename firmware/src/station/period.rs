@@ -199,7 +199,7 @@ impl<const A: usize> Station<A> {
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault, sample.chain_open) = (fresh, fault, chain_open);
             let step = outer.step(&sample, ground);
-            output.show(hardware, calibrations, of_actuators(&step.command_m), step.permit);
+            output.show(hardware, (calibrations, &read), &step.command_m, step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
             inputs = hardware.inputs();
             let report = StepReport::of(step.record, &codes, inputs, moves);
@@ -344,11 +344,11 @@ impl<const A: usize> Station<A> {
 impl<const A: usize> Output<A> {
     /// Shows the actuators' commands. Permission goes before the commands and is given after them.
     #[inline]
-    fn show<H: Hardware<A>>(
+    fn show<H: Hardware<A>, const N: usize>(
         &mut self,
         hardware: &mut H,
-        calibrations: &[Calibration; A],
-        command_m: [f32; A],
+        (calibrations, read): (&[Calibration; A], &[[f32; 2]; A]),
+        command_m: &[f32; N],
         permit: bool,
     ) {
         let top = H::CODES.command_top;
@@ -357,12 +357,16 @@ impl<const A: usize> Output<A> {
             hardware.permit(false);
         }
         self.out_of_range = false;
-        let each = self.feedback.iter_mut().zip(calibrations).zip(command_m);
-        for (actuator, ((feedback, calibration), command_m)) in each.enumerate() {
-            let code = if permit {
-                feedback.code(calibration, top, command_m)
-            } else {
-                feedback.code_at_standstill(calibration, top, command_m)
+        let each = self.feedback.iter_mut().zip(calibrations).zip(read);
+        for (actuator, ((feedback, calibration), &[at_m, _])) in each.enumerate() {
+            let code = match command_m.get(actuator) {
+                Some(&command_m) if permit => feedback.code(calibration, top, command_m),
+                Some(&command_m) => feedback.code_at_standstill(calibration, top, command_m),
+                // Nothing hangs on it: it stands where it stood, and where it is read if it has had no command.
+                None => {
+                    let stood = self.sent.get(actuator).copied().flatten();
+                    stood.or_else(|| feedback.code_at_standstill(calibration, top, at_m))
+                }
             };
             if let Some(code) = code {
                 hardware.output(actuator, code);
@@ -388,11 +392,4 @@ fn on_floors<const A: usize, const N: usize>(read: &[[f32; 2]; A]) -> Sample<N> 
         (*place_m, *place_n) = (m, n);
     }
     sample
-}
-
-/// The actuators' commands.
-#[inline]
-fn of_actuators<const A: usize, const N: usize>(command_m: &[f32; N]) -> [f32; A] {
-    // No test has fewer floors than its board has actuators.
-    core::array::from_fn(|actuator| command_m.get(actuator).copied().unwrap_or(0.0))
 }

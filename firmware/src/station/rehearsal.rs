@@ -1,6 +1,6 @@
 //! How long a step of a test takes on this chip, before anything moves.
 
-use outerloop_core::{Event, GroundMotion, OuterLoop, Sample, flag};
+use outerloop_core::{Event, GroundMotion, OuterLoop, Rig, Sample, flag};
 
 /// Solved steps that are timed, the last of the rehearsal: caches and predictors are warm then.
 const TIMED: usize = 16;
@@ -17,7 +17,10 @@ const LONGEST: usize = 50;
 /// one in ten or so. So a quarter of the longest is left out. The longest of those that are left, and not the shortest,
 /// since steps differ by themselves: a predictor that learns, a damping that acts.
 #[inline(never)] // The stack would hold what each number of floors needs.
-pub(super) fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
+pub(super) fn rehearse<const N: usize, R: Rig<N>>(
+    outer: &mut OuterLoop<N, R>,
+    now: fn() -> u32,
+) -> u32 {
     let (mut ticks, solved) = timed(outer, now);
     start_anew(outer);
     let ticks = &mut ticks[..solved.min(TIMED)];
@@ -29,12 +32,15 @@ pub(super) fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u3
 
 /// Once, and not inlined in two places: the parts that go back stand on the stack.
 #[inline(never)]
-fn start_anew<const N: usize>(outer: &mut OuterLoop<N>) {
+fn start_anew<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     outer.restart();
 }
 
 /// Ticks of the last solved steps, and how many there were.
-fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; TIMED], usize) {
+fn timed<const N: usize, R: Rig<N>>(
+    outer: &mut OuterLoop<N, R>,
+    now: fn() -> u32,
+) -> ([u32; TIMED], usize) {
     // A ground at rest that outlasts the rehearsal: at its end the test would be over, and nothing solved any more.
     let rest = [0.0; 2];
     let ground = GroundMotion::new(&rest, 1.0, 0.5 / STEPS as f64);

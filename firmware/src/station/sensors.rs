@@ -1,9 +1,10 @@
 //! Sensors that contradict each other: two transducers of one displacement, and a force that stands while the specimen moves.
 
 use crate::hardware::Hardware;
+use link::command::BoardTest;
 use link::telemetry::MAX_INPUTS;
 use link::{Input, MAX_ACTUATORS};
-use outerloop_core::{Config, Fault};
+use outerloop_core::Fault;
 
 /// Steps that are no fault, one without taking one off: a spike on a wire.
 const TIMEOUT_STEPS: u8 = 4;
@@ -28,9 +29,16 @@ pub struct SensorLimits {
 }
 
 impl SensorLimits {
+    /// Nothing is looked at.
+    pub const NONE: Self = Self {
+        disagree_m: f32::MAX,
+        force_stands_m: f32::MAX,
+        no_force_n: [0.0; MAX_ACTUATORS],
+    };
+
     /// Of a test.
-    pub fn of(config: &Config) -> Self {
-        let limits = &config.limits;
+    pub fn of(test: &BoardTest) -> Self {
+        let (config, limits) = (&test.config, &test.config.limits);
         let or_never = |limit: Option<f64>| limit.map_or(f32::MAX, |m| m as f32);
         let stiffness = &config.structure.stiffness_n_per_m;
         let stands_m = limits.force_stands_m.unwrap_or(0.0);
@@ -38,7 +46,9 @@ impl SensorLimits {
             disagree_m: or_never(limits.disagree_m),
             force_stands_m: or_never(limits.force_stands_m),
             no_force_n: core::array::from_fn(|storey| {
-                let n_per_m = stiffness.get(storey).copied().unwrap_or(0.0);
+                // No storey's stiffness is between an actuator and a coupler: there a force that stands is one whose code does.
+                let own = stiffness.get(storey).filter(|_| test.coupled.is_none());
+                let n_per_m = own.copied().unwrap_or(0.0);
                 (NO_FORCE_SHARE * n_per_m * stands_m) as f32
             }),
         }

@@ -19,13 +19,13 @@ use super::watchers::{WatchParts, Watchers};
 use super::window::Window;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
-use link::command::{Command, CommissioningSignal, MAX_POINTS};
+use link::command::{BoardTest, Command, CommissioningSignal, MAX_POINTS};
 use link::frame::DecoderCounts;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{CrashReport, StartCause, Status};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input, MAX_ACTUATORS};
-use outerloop_core::{Config, Event, Mode, Refusal};
+use outerloop_core::{Event, Mode, Refusal};
 
 /// What does not change while the board runs.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ pub enum CommandResult {
     /// The interrupt has an order; its outcome goes to [`Service::finish`].
     Wait,
     /// These are to be written; then [`Service::saved`].
-    Save(Option<Config>, PerActuator<Option<Wiring>>),
+    Save(Option<BoardTest>, PerActuator<Option<Wiring>>),
 }
 
 /// What the outcome of the order is for.
@@ -76,7 +76,7 @@ enum Pending {
     Nothing,
     Done,
     Status(DecoderCounts, u32),
-    Configure(Config),
+    Configure(BoardTest),
     Reload(u32),
     Calibrate(u8, Calibration, Option<(f32, u16)>),
     Upload(Upload),
@@ -91,7 +91,7 @@ pub struct Service {
     upload: Option<Upload>,
     /// Largest of the points that were sent last, once all of them have come.
     uploaded_most: Option<f32>,
-    config: Option<Config>,
+    test: Option<BoardTest>,
     rate_hz: f32,
     model_step_s: f64,
     /// Ticks that a step of the last test that was worked out leaves of its deadline; 0 for one that was loaded at the start, which
@@ -118,7 +118,7 @@ pub struct Parts {
     /// Room for the ground motion.
     pub writable: Writable,
     /// The test in force, if somebody has asked for it.
-    pub config: Option<Config>,
+    pub test: Option<BoardTest>,
     /// The calibration of each actuator, if somebody has made one.
     pub calibrations: PerActuator<Option<Calibration>>,
     /// The rig watch.
@@ -134,7 +134,7 @@ impl Service {
             writable: Some(parts.writable),
             upload: None,
             uploaded_most: None,
-            config: parts.config,
+            test: parts.test,
             rate_hz: in_force.0,
             model_step_s: in_force.1,
             left_ticks: 0,
@@ -192,7 +192,7 @@ impl Service {
         match command {
             Command::Identify => self.reply(self.identity()),
             Command::Status => self.order(Order::LoopStatus, Pending::Status(link, stack_bytes)),
-            Command::Configure(config) => self.configure(config),
+            Command::Configure(test) => self.configure(test),
             Command::Calibrate(actuator, calibration) => {
                 self.calibrate(actuator, calibration, None)
             }
@@ -213,6 +213,7 @@ impl Service {
             Command::Event(Event::Arm) => self.arm(),
             Command::Event(event) => self.order(Order::Event(event), Pending::Done),
             Command::History(index) => self.order(Order::History(index), Pending::Done),
+            Command::Pace(Some(_)) if self.is_coupled() => self.not_of_coupled("targets of the PC"),
             Command::Pace(pace) => self.order(Order::Pace(pace), Pending::Done),
             Command::Target(target_m) => self.target(target_m),
             Command::Watch(actuator, told) => self.watch(actuator, &told),
@@ -232,10 +233,10 @@ impl Service {
             (Pending::Status(link, stack_bytes), Returned::LoopStatus(loop_status)) => {
                 self.reply(self.status(tick, state, &loop_status, link, stack_bytes))
             }
-            (Pending::Configure(config), Returned::Setup(old, motion)) => {
-                self.rate_hz = config.timing.rate_hz as f32;
-                self.model_step_s = config.model_step_s();
-                self.config = Some(config);
+            (Pending::Configure(test), Returned::Setup(old, motion)) => {
+                self.rate_hz = test.config.timing.rate_hz as f32;
+                self.model_step_s = test.config.model_step_s();
+                self.test = Some(test);
                 self.spare = Some(old);
                 self.watchers.clear();
                 let Some(motion) = motion else {
@@ -423,18 +424,15 @@ impl Service {
             return self.reply(self.rejected(Some(Event::Arm), obstacle));
         }
         // The calibration may be another one than when the test came.
-        match self
-            .config
-            .as_ref()
-            .map(|config| self.shown().check(config))
-        {
+        let range = self.shown(self.test.as_ref());
+        match self.test.as_ref().map(|test| range.check(&test.config)) {
             Some(Err(refusal)) => self.reply(refusal.into()),
             _ => self.order(Order::Event(Event::Arm), Pending::Done),
         }
     }
 
-    fn configure(&mut self, config: Config) -> CommandResult {
-        if let Err(refusal) = self.shown().check(&config) {
+    fn configure(&mut self, test: BoardTest) -> CommandResult {
+        if let Err(refusal) = self.shown(Some(&test)).check(&test.config) {
             return self.reply(refusal.into());
         }
         // Working it out takes longer than the rig watch of a running test may wait.
@@ -444,8 +442,8 @@ impl Service {
         let Some(spare) = self.spare.take() else {
             return self.reply(self.rejected(None, None));
         };
-        match self.work_out(&config, spare) {
-            Ok(()) => self.order(Order::Exchange(spare), Pending::Configure(config)),
+        match self.work_out(&test, spare) {
+            Ok(()) => self.order(Order::Exchange(spare), Pending::Configure(test)),
             Err(refusal) => {
                 self.spare = Some(spare);
                 self.reply(refusal.into())
@@ -454,12 +452,12 @@ impl Service {
     }
 
     /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
-    fn work_out(&mut self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
+    fn work_out(&mut self, test: &BoardTest, place: &mut Setup) -> Result<(), Refusal> {
         let clock = &self.board.clock;
-        place.replace(config, clock, self.board.actuators)?;
+        place.replace(test, clock, self.board.actuators)?;
         let step = place.outer.rehearse(self.board.now);
         let ticks = step.saturating_add(clock.around_step_ticks);
-        let Some(left) = clock.deadline_ticks.checked_sub(ticks) else {
+        let Some(left) = place.deadline_ticks(clock).checked_sub(ticks) else {
             return Err(Refusal {
                 name: "step_cycles",
                 value: f64::from(ticks),
@@ -474,13 +472,30 @@ impl Service {
         if usize::from(signal.actuator) >= self.board.actuators {
             return self.no_actuator(signal.actuator);
         }
-        let Some(config) = &self.config else {
+        let Some(test) = &self.test else {
             return self.reply(self.rejected(None, Some(Obstacle::NotConfigured)));
         };
-        match Generator::new(signal, config, self.uploaded_most) {
+        if test.coupled.is_some() {
+            return self.not_of_coupled("signal");
+        }
+        match Generator::new(signal, &test.config, self.uploaded_most) {
             Ok(generator) => self.order(Order::Signal(Some(generator)), Pending::Done),
             Err(refusal) => self.reply(refusal.into()),
         }
+    }
+
+    /// The test in force is of two coupled actuators.
+    fn is_coupled(&self) -> bool {
+        self.test.as_ref().is_some_and(|t| t.coupled.is_some())
+    }
+
+    /// Something that such a test does not have yet.
+    fn not_of_coupled(&mut self, what: &str) -> CommandResult {
+        self.reply(Reply::Refused(RefusedParameter::new(
+            what,
+            f64::NAN,
+            "a test without two coupled actuators; theirs runs on a ground motion alone",
+        )))
     }
 
     fn target(&mut self, target_m: PerActuator<f32>) -> CommandResult {

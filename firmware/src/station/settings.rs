@@ -12,9 +12,9 @@
 //! | 10.. | body, then CRC-32 of all before |
 
 use link::channel::Calibration;
+use link::command::BoardTest;
 use link::frame::{MAX_BODY, checksum};
 use link::{CodeRange, VERSION};
-use outerloop_core::Config;
 
 const HEAD: usize = 10;
 /// Kind, version and sequence number.
@@ -75,7 +75,7 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
     }
 }
 
-impl FlashRecord<TEST_BYTES> for Config {
+impl FlashRecord<TEST_BYTES> for BoardTest {
     const KIND: [u8; 4] = [b'O', b'L', b'T', VERSION];
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
@@ -84,7 +84,7 @@ impl FlashRecord<TEST_BYTES> for Config {
 
     fn from_body(body: &[u8]) -> Option<Self> {
         match postcard::take_from_bytes(body) {
-            Ok((config, [])) => Some(config),
+            Ok((test, [])) => Some(test),
             _ => None,
         }
     }
@@ -142,11 +142,12 @@ impl FlashRecord<CALIBRATION_BYTES> for Wiring {
 mod tests {
     use super::*;
     use crate::sim::CODES;
+    use outerloop_core::Config;
 
-    fn config() -> Config {
+    fn test() -> BoardTest {
         let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
         config.structure.physical_storeys = Some(1);
-        config
+        config.into()
     }
 
     fn wiring() -> Wiring {
@@ -170,7 +171,7 @@ mod tests {
 
     #[test]
     fn both_come_back_as_they_were_and_not_when_a_bit_has_turned() {
-        comes_back(config());
+        comes_back(test());
         comes_back(wiring());
     }
 

@@ -1,9 +1,10 @@
 //! A test, worked out and ready to be exchanged for another.
 
-use super::any_loop::AnyLoop;
+use super::any_loop::{AnyLoop, not_coupled};
 use super::heartbeats::Timeouts;
 use super::sensors::SensorLimits;
 use crate::step_time::StepTime;
+use link::command::BoardTest;
 use outerloop_core::{Config, Refusal};
 
 /// What the board's clocks allow.
@@ -17,6 +18,8 @@ pub struct Clock {
     pub fastest_rate_hz: u32,
     /// Ticks of the stopwatch from the beginning of a step to its command, at most.
     pub deadline_ticks: u32,
+    /// The same where the commands [leave late](crate::hardware::Hardware::leave_late).
+    pub late_deadline_ticks: u32,
     /// Those of them that the board takes around the outer loop's own step: sample, calibration, code.
     pub around_step_ticks: u32,
     /// What a step takes longer where the rig watch corrects command and reading, at most.
@@ -33,6 +36,8 @@ pub struct Setup {
     pub time: StepTime,
     /// Period of the sampling timer, in its ticks.
     pub period_ticks: u32,
+    /// Its commands leave late: a step of two coupled actuators takes three times as long as any other.
+    pub leaves_late: bool,
     /// Control rate, Hz.
     pub rate_hz: f32,
     /// Integration step in model time, s.
@@ -48,69 +53,40 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Works `config` out, for a board with so many actuators.
-    ///
-    /// # Errors
-    /// The first parameter that is not accepted.
-    pub fn new(config: &Config, clock: &Clock, actuators: usize) -> Result<Self, Refusal> {
-        Self::with(config, clock, actuators, true)
-    }
-
-    fn with(
-        config: &Config,
-        clock: &Clock,
-        actuators: usize,
-        configured: bool,
-    ) -> Result<Self, Refusal> {
-        let period_ticks = period_ticks(config, clock)?;
-        check_actuators(config, actuators)?;
-        let timeouts = Timeouts::at(config.timing.rate_hz);
-        let time = StepTime::new(clock.deadline_ticks);
-        let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
-        let (sensors, stops_by_energy) = (
-            SensorLimits::of(config),
-            config.limits.energy_trip.is_some(),
-        );
-        // No closure: the stack would hold the loop once more.
-        match AnyLoop::new(config) {
-            Ok(outer) => Ok(Self {
-                outer,
-                time,
-                period_ticks,
-                rate_hz,
-                model_step_s,
-                timeouts,
-                sensors,
-                stops_by_energy,
-                configured,
-            }),
-            Err(refusal) => Err(refusal),
-        }
-    }
-
-    /// Works `config` out in the place of this test, which stays where `config` is refused. For a deep stack: nothing large
+    /// Works `test` out in the place of this one, which stays where `test` is refused. For a deep stack: nothing large
     /// lies on it.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The first parameter that is not accepted.
     pub fn replace(
         &mut self,
-        config: &Config,
+        test: &BoardTest,
         clock: &Clock,
         actuators: usize,
     ) -> Result<(), Refusal> {
+        let config = &test.config;
         let period_ticks = period_ticks(config, clock)?;
-        check_actuators(config, actuators)?;
-        self.outer.replace(config)?;
-        self.time = StepTime::new(clock.deadline_ticks);
+        check_actuators(test, actuators)?;
+        self.outer.replace(test)?;
+        self.leaves_late = test.coupled.is_some();
+        self.time = StepTime::new(self.deadline_ticks(clock));
         self.period_ticks = period_ticks;
         self.rate_hz = config.timing.rate_hz as f32;
         self.model_step_s = config.model_step_s();
         self.timeouts = Timeouts::at(config.timing.rate_hz);
-        self.sensors = SensorLimits::of(config);
+        self.sensors = SensorLimits::of(test);
         self.stops_by_energy = config.limits.energy_trip.is_some();
         self.configured = true;
         Ok(())
+    }
+
+    /// Ticks from the beginning of one of its steps to the command, at most.
+    pub(super) fn deadline_ticks(&self, clock: &Clock) -> u32 {
+        if self.leaves_late {
+            clock.late_deadline_ticks
+        } else {
+            clock.deadline_ticks
+        }
     }
 
     /// What a board starts with: it samples and reports at 2 kHz and cannot be armed.
@@ -123,7 +99,25 @@ impl Setup {
         let frame = &mut config.structure;
         (frame.mass_kg, frame.stiffness_n_per_m) = (each(1.0), each(1.0));
         frame.damping_ratio = each(0.02);
-        Self::with(&config, clock, actuators, false)
+        let period_ticks = period_ticks(&config, clock)?;
+        let timeouts = Timeouts::at(config.timing.rate_hz);
+        let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
+        // No closure: the stack would hold the loop once more.
+        match AnyLoop::new(&config) {
+            Ok(outer) => Ok(Self {
+                outer,
+                time: StepTime::new(clock.deadline_ticks),
+                period_ticks,
+                leaves_late: false,
+                rate_hz,
+                model_step_s,
+                timeouts,
+                sensors: SensorLimits::NONE,
+                stops_by_energy: false,
+                configured: false,
+            }),
+            Err(refusal) => Err(refusal),
+        }
     }
 }
 
@@ -144,13 +138,17 @@ fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
     Ok(period_ticks)
 }
 
-/// Every actuator of the board has its storey: one that a test leaves out would move with the others' permission.
-fn check_actuators(config: &Config, actuators: usize) -> Result<(), Refusal> {
-    let floors = config.structure.mass_kg.len();
-    let physical = config
-        .structure
-        .physical_storeys
-        .map_or(floors, usize::from);
+/// Every actuator of the board has its storey: one that a test leaves out would move with the others' permission. Only where two
+/// hold a coupler nothing hangs on the third, whose output stands.
+fn check_actuators(test: &BoardTest, actuators: usize) -> Result<(), Refusal> {
+    if test.coupled.is_some() {
+        return if cfg!(coupled) && actuators > 2 {
+            Ok(())
+        } else {
+            Err(not_coupled())
+        };
+    }
+    let physical = test.actuators();
     if physical == actuators {
         return Ok(());
     }
@@ -174,15 +172,22 @@ mod tests {
         slowest_rate_hz: 100,
         fastest_rate_hz: 3400,
         deadline_ticks: 5000,
+        late_deadline_ticks: 5000,
         around_step_ticks: 0,
         correction_ticks: 0,
         stopwatch_hz: 168_000_000,
     };
 
+    fn set_up(config: &Config, actuators: usize) -> Result<Setup, Refusal> {
+        let mut setup = Setup::unconfigured(&CLOCK, actuators)?;
+        setup.replace(&config.clone().into(), &CLOCK, actuators)?;
+        Ok(setup)
+    }
+
     fn with(change: impl FnOnce(&mut Config)) -> Result<Setup, Refusal> {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
         change(&mut config);
-        Setup::new(&config, &CLOCK, 1)
+        set_up(&config, 1)
     }
 
     #[test]
@@ -201,10 +206,10 @@ mod tests {
     #[test]
     fn a_board_with_three_actuators_takes_tests_with_three() {
         let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
-        assert!(Setup::new(&config, &CLOCK, 3).is_ok());
+        assert!(set_up(&config, 3).is_ok());
         for one_or_two in [1, 2] {
             config.structure.physical_storeys = Some(one_or_two);
-            let refusal = Setup::new(&config, &CLOCK, 3).err().unwrap();
+            let refusal = set_up(&config, 3).err().unwrap();
             assert_eq!(refusal.value, f64::from(one_or_two));
             assert!(refusal.accepted.starts_with("3 "), "{refusal}");
         }

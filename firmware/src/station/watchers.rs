@@ -17,7 +17,7 @@ use link::status::{MAX_NAMED, NamedCause, WatchStatus};
 use outerloop_core::watch::{
     AxisOrders, Block, BlockId, Instructions, Orders, Seen, State, Taps, Watch, judge,
 };
-use outerloop_core::{OuterLoop, Refusal};
+use outerloop_core::{OuterLoop, Refusal, Rig};
 
 /// What the rig watch needs of a control step beside its codes.
 #[derive(Clone, Copy, Debug)]
@@ -83,8 +83,8 @@ pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 
 /// What is left of the rig watch to the interrupt when the command is out; `sent_m` was in force in the step.
 #[inline]
-pub fn pass_on<const N: usize>(
-    outer: &mut OuterLoop<N>,
+pub fn pass_on<const N: usize, R: Rig<N>>(
+    outer: &mut OuterLoop<N, R>,
     sent_m: [f32; N],
     from: &mut FromWatch<'_>,
 ) -> Watched {
@@ -101,8 +101,8 @@ pub fn pass_on<const N: usize>(
 /// What every step takes of it: gives the test that this step is one of, if it is watched,
 /// and the block whose answer is due, if that is something else than that the orders stay ([`answer`]).
 #[inline(never)] // It delays no command, and what it takes is counted by itself.
-fn hand_over<const N: usize>(
-    outer: &mut OuterLoop<N>,
+fn hand_over<const N: usize, R: Rig<N>>(
+    outer: &mut OuterLoop<N, R>,
     judged: &Judged,
 ) -> (Option<NonZeroU8>, Option<BlockId>) {
     let step = outer.count_watched();
@@ -114,7 +114,11 @@ fn hand_over<const N: usize>(
 /// Does what answers the block that is `due`, or ends the watch of the test.
 #[cold]
 #[inline(never)] // In place it would lengthen what every step takes.
-fn answer<const N: usize>(outer: &mut OuterLoop<N>, from: &mut FromWatch<'_>, due: BlockId) {
+fn answer<const N: usize, R: Rig<N>>(
+    outer: &mut OuterLoop<N, R>,
+    from: &mut FromWatch<'_>,
+    due: BlockId,
+) {
     if !from.judged.covers(due, ORDERS) {
         outer.end_watch();
         return;

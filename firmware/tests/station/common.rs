@@ -156,7 +156,7 @@ impl Bench {
 
     /// Configured, loaded, armed and at the start.
     pub fn ready(&mut self, config: Config, points: &[f32]) {
-        let configured = self.ask(Command::Configure(config));
+        let configured = self.ask(Command::Configure(config.into()));
         assert!(matches!(configured, Reply::Done { .. }), "{configured:?}");
         self.upload(points, 0.01);
         self.settle();

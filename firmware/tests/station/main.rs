@@ -3,6 +3,7 @@
 
 mod any_order;
 mod common;
+mod coupled;
 mod served;
 mod single_faults;
 mod watch;
@@ -39,7 +40,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
     let mut b = bench();
     let points = pulse();
     let mut events = Vec::new();
-    let configured = done(&b.ask(Command::Configure(config())));
+    let configured = done(&b.ask(Command::Configure(config().into())));
     b.upload(&points, 0.01);
     for _ in 0..300 {
         b.step();
@@ -96,7 +97,7 @@ fn arming_needs_a_test_and_something_to_run() {
     let mut b = bench();
     b.step();
     assert_eq!(obstacle(b.event(Event::Arm)), Some(Obstacle::NotConfigured));
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     assert_eq!(obstacle(b.event(Event::Arm)), Some(Obstacle::NothingToRun));
     b.upload(&pulse(), 0.01);
     b.hardware.broken.stop_pressed = true;
@@ -118,7 +119,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     b.ready(config(), &pulse());
     done(&b.event(Event::Start));
     for command in [
-        Command::Configure(config()),
+        Command::Configure(config().into()),
         Command::Calibrate(0, Calibration::nominal(&CODES)),
         Command::Save,
         Command::Signal(None),
@@ -149,7 +150,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     done(&b.event(Event::Clear));
     b.until(Mode::Idle);
     // The room that was offered in vain is still there, and so is the ground motion.
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     b.settle();
     done(&b.event(Event::Arm));
 }
@@ -158,10 +159,10 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
 #[test]
 fn a_refused_configuration_says_what_and_changes_nothing() {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     let mut bad = config();
     bad.structure.mass_kg[0] = f64::NAN;
-    let reply = b.ask(Command::Configure(bad));
+    let reply = b.ask(Command::Configure(bad.into()));
     assert!(
         matches!(&reply, Reply::Refused(r) if r.name == "structure.mass_kg"),
         "{reply:?}"
@@ -325,7 +326,7 @@ fn commissioned_for_three_seconds(b: &mut Bench) {
 #[test]
 fn a_commissioning_signal_runs_and_ends_by_itself() {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     done(&b.ask(Command::Signal(Some(CommissioningSignal {
         actuator: 0,
         shape: SignalShape::Sine { frequency_hz: 2.0 },
@@ -341,7 +342,7 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
 #[test]
 fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after_that() {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     let signal = CommissioningSignal {
         actuator: 0,
         shape: SignalShape::Points,
@@ -396,14 +397,14 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
     for (name, leave_out) in leave_out {
         let mut open = config();
         leave_out(&mut open.limits);
-        let reply = b.ask(Command::Configure(open));
+        let reply = b.ask(Command::Configure(open.into()));
         assert!(
             matches!(&reply, Reply::Refused(r) if r.name == name && r.value.is_nan()),
             "{reply:?}"
         );
     }
     // What was inside the range when the test came is not when another calibration has come since.
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     b.upload(&pulse(), 0.01);
     let narrow = Calibration::over(0.02, 1e4, &CODES);
     done(&b.ask(Command::Calibrate(0, narrow)));
@@ -424,7 +425,7 @@ fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
         other => panic!("{other:?}"),
     };
     assert!(!status(&mut b).calibrated);
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     b.upload(&pulse(), 0.01);
     for command in [
         Command::Event(Event::Arm),
@@ -460,7 +461,7 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
     done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
     done(&b.ask(Command::Save));
     assert_eq!(b.saved, [None, Some(firmware::station::CALIBRATION_BYTES)]);
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     done(&b.ask(Command::Save));
     assert!(b.saved[0].is_some());
 }
@@ -492,7 +493,7 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
 #[test]
 fn a_welded_contact_stands_against_arming() {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     b.upload(&pulse(), 0.01);
     b.hardware.broken.chain = Some(true);
     for _ in 0..300 {
@@ -518,7 +519,7 @@ fn what_the_start_has_found_wrong_stands_against_arming() {
         found.converters_ok = converters_ok;
         let mut b = started(found);
         done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
-        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Configure(config().into())));
         b.upload(&pulse(), 0.01);
         b.settle();
         let reply = b.event(Event::Arm);

@@ -29,7 +29,7 @@ fn continuous() -> Config {
 /// Configured for targets from the PC, and armed.
 fn armed(config: Config, pace: Pace) -> (Bench, u32, u32) {
     let mut b = bench();
-    let since = done(&b.ask(Command::Configure(config)));
+    let since = done(&b.ask(Command::Configure(config.into())));
     done(&b.ask(Command::Pace(Some(pace))));
     for _ in 0..300 {
         b.step();
@@ -163,9 +163,9 @@ fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     assert!(!b.permit());
     // Another test integrates by itself again: it needs something to run.
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     done(&b.ask(Command::Pace(Some(Pace::StopAndGo))));
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     match b.event(Event::Arm) {
         Reply::Rejected { obstacle, .. } => assert_eq!(obstacle, Some(Obstacle::NothingToRun)),
         other => panic!("{other:?}"),

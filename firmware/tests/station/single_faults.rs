@@ -11,7 +11,7 @@ use outerloop_core::{Config, Event, Fault, Mode};
 /// Loaded, idle for a while, with something broken.
 fn loaded(config: Config, harm: impl FnOnce(&mut Bench)) -> Bench {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config)));
+    done(&b.ask(Command::Configure(config.into())));
     b.upload(&pulse(), 0.01);
     harm(&mut b);
     for _ in 0..300 {

@@ -76,7 +76,7 @@ fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
         panic!("without a test");
     };
     assert_eq!(obstacle, Some(Obstacle::NotConfigured));
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     assert_eq!(status(&mut b), None);
     let with = |change: fn(&mut Declared)| {
         let mut told = instructions();
@@ -116,7 +116,7 @@ fn a_correction_is_refused_where_a_step_leaves_no_time_for_it() {
         (found.clock.deadline_ticks, found.clock.correction_ticks) = (deadline_ticks, most);
         let mut b = started(found);
         done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
-        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Configure(config().into())));
         let said = match b.ask(Command::Watch(0, instructions())) {
             Reply::Refused(refused) => {
                 assert_eq!(refused.name, "watch.correct");
@@ -128,7 +128,7 @@ fn a_correction_is_refused_where_a_step_leaves_no_time_for_it() {
         assert_eq!(said, refused_with);
         let mut looks_on = instructions();
         looks_on.actions.correct = Corrections::default();
-        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Configure(config().into())));
         done(&b.ask(Command::Watch(0, looks_on)));
     }
 }
@@ -175,7 +175,7 @@ fn worked_out_again(
 #[test]
 fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
     let mut b = bench();
-    let since = done(&b.ask(Command::Configure(config())));
+    let since = done(&b.ask(Command::Configure(config().into())));
     let told = done(&b.ask(Command::Watch(0, instructions())));
     b.upload(&pulse(), 0.01);
     let mut events = Vec::new();
@@ -211,7 +211,7 @@ fn tasks_that_come_too_late_end_the_watch_of_the_test_and_of_no_other() {
     let late = |b: &Bench| b.log.last().unwrap().step.flags & flag::WATCH_LATE != 0;
     for (away, is_late) in [(24, false), (60, true)] {
         let mut b = bench();
-        done(&b.ask(Command::Configure(config())));
+        done(&b.ask(Command::Configure(config().into())));
         done(&b.ask(Command::Watch(0, instructions())));
         b.upload(&pulse(), 0.01);
         for expected in [is_late, false] {
@@ -238,7 +238,7 @@ fn tasks_that_come_too_late_end_the_watch_of_the_test_and_of_no_other() {
 #[test]
 fn a_test_that_is_corrected_is_worked_out_again_bit_for_bit() {
     let mut b = bench();
-    let since = done(&b.ask(Command::Configure(config())));
+    let since = done(&b.ask(Command::Configure(config().into())));
     let mut instructions = instructions();
     // The actuator goes 8 % further than that, and the command is divided by it.
     instructions.declared.actuator.gain = 1.0 / 1.08;
@@ -260,7 +260,7 @@ fn a_test_that_is_corrected_is_worked_out_again_bit_for_bit() {
 #[test]
 fn what_is_named_can_be_told_with_its_value() {
     let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Configure(config().into())));
     let mut told = instructions();
     // The actuator goes 8 % further than that.
     told.declared.actuator.gain = 1.0 / 1.08;

@@ -131,7 +131,7 @@ impl<const N: usize> Machine<N> {
                 points: chunk.iter().copied().collect(),
             })?;
         }
-        self.accepted(Command::Configure(test.config.clone()))
+        self.accepted(Command::Configure(test.config.clone().into()))
     }
 
     /// Sends a command that must be done.

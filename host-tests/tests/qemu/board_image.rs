@@ -4,19 +4,21 @@ use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-/// The images and the interrupt that each one's control period runs in: the chip's own converters, and external ones.
-const IMAGES: [(&str, &str); 3] = [
-    ("nucleo_f429zi", "ADC"),
-    ("nucleo_f429zi_16", "TIM2"),
-    ("nucleo_f429zi_3", "TIM2"),
+/// The images, the interrupt that each one's control period runs in (the chip's own converters, and external ones), and the flash
+/// that it may take.
+const IMAGES: [(&str, &str, u64); 3] = [
+    ("nucleo_f429zi", "ADC", MOST_FLASH),
+    ("nucleo_f429zi_16", "TIM2", MOST_FLASH),
+    ("nucleo_f429zi_3", "TIM2", MOST_FLASH + COUPLED_FLASH),
 ];
 
-/// The images as they are flashed, each with its control interrupt; none where there is no compiler for them.
-fn images() -> impl Iterator<Item = (Vec<u8>, &'static str)> {
-    IMAGES.into_iter().filter_map(|(name, interrupt)| {
-        let path = image(name, "nucleo-f429zi,winning-methods")?;
+/// The images as they are flashed, each with its control interrupt and its flash; none where there is no compiler for them.
+fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
+    IMAGES.into_iter().filter_map(|(name, interrupt, flash)| {
+        let coupled = if flash > MOST_FLASH { ",coupled" } else { "" };
+        let path = image(name, &format!("nucleo-f429zi,winning-methods{coupled}"))?;
         println!("{name}:");
-        Some((std::fs::read(path).unwrap(), interrupt))
+        Some((std::fs::read(path).unwrap(), interrupt, flash))
     })
 }
 
@@ -26,14 +28,21 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str)> {
 /// they have, and what it is told is worked out in software double precision. Methods that are best nowhere are left out: 364
 /// KiB with the chip's own converters, 371 with those of three actuators; with all of them 387 and 393. Three sizes of loop with
 /// each method, each with its design in double precision, are most of it.
-const MOST_FLASH: u64 = 372 * 1024;
+///
+/// What a test of two coupled actuators is sent with is understood, and refused in a sentence, by the images without its loop, too:
+/// 6 KiB more in each, 370 and 373.
+const MOST_FLASH: u64 = 374 * 1024;
+
+/// The loop of two coupled actuators, which the image for three has beside those of 1 to 3 storeys: another 42, of which its step
+/// and its design are most.
+const COUPLED_FLASH: u64 = 44 * 1024;
 
 #[test]
 fn sizes() {
-    images().for_each(|(bytes, _)| size(&bytes));
+    images().for_each(|(bytes, _, most)| size(&bytes, most));
 }
 
-fn size(bytes: &[u8]) {
+fn size(bytes: &[u8], most: u64) {
     let file = object::File::parse(bytes).unwrap();
     let (mut flash, mut ram) = (0, 0);
     for section in file.sections() {
@@ -54,13 +63,13 @@ fn size(bytes: &[u8]) {
         kib(flash),
         kib(ram)
     );
-    assert!(flash <= MOST_FLASH, "{flash}");
+    assert!(flash <= most, "{flash} of {most}");
 }
 
 /// Nothing that the tasks do can then hold the control interrupt up, and it is computed in single precision.
 #[test]
 fn the_control_interrupt_calls_no_log_no_critical_section_and_no_double_precision() {
-    images().for_each(|(bytes, interrupt)| calls(&bytes, interrupt));
+    images().for_each(|(bytes, interrupt, _)| calls(&bytes, interrupt));
 }
 
 fn calls(bytes: &[u8], interrupt: &str) {
@@ -106,7 +115,7 @@ fn calls(bytes: &[u8], interrupt: &str) {
 /// those of formatting, which only a panic comes to.
 #[test]
 fn the_stack_is_deep_enough() {
-    images().for_each(|(bytes, interrupt)| depth(&bytes, interrupt));
+    images().for_each(|(bytes, interrupt, _)| depth(&bytes, interrupt));
 }
 
 fn depth(bytes: &[u8], interrupt: &str) {
@@ -146,7 +155,7 @@ fn depth(bytes: &[u8], interrupt: &str) {
 /// nothing stand before the first call.
 #[test]
 fn permit_drops_before_anything_is_called_on_every_way_out() {
-    images().for_each(|(bytes, _)| ways_out(&bytes));
+    images().for_each(|(bytes, _, _)| ways_out(&bytes));
 }
 
 fn ways_out(bytes: &[u8]) {

@@ -26,7 +26,7 @@
 //! ```text
 //!  0 us    TIM2 update: CONVST rises, all eight inputs are sampled
 //!  6 us    control interrupt: eight words are read, the step, three codes are written
-//!  80 us   TIM4 compare: LDAC falls, all commands leave at once
+//!  80 us   TIM4 compare: LDAC falls, all commands leave at once; of two coupled actuators at 200 us
 //! ```
 //!
 //! # Start
@@ -104,6 +104,8 @@ impl Converters<OUTPUTS> for ExternalThree {
     const READ_BACK_OFF: u16 = 1311;
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
+    // A step of two coupled actuators that finds 13 numbers of them out takes some 10 000 instructions: 110 us.
+    const LATE_OUTPUT_DELAY_US: u32 = 200;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     const LATEST_BEGIN_US: u32 = conversion::LATEST_BEGIN_US;
     // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.

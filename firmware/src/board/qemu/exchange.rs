@@ -87,11 +87,11 @@ impl Exchange {
         loop {
             let (request, command) = self.command()?;
             let reply = match (command, &mut upload, &whole) {
-                (Command::Configure(config), _, Some(motion)) => {
+                (Command::Configure(test), _, Some(motion)) if test.coupled.is_none() => {
                     let motion: &Upload = motion;
                     return Ok(Begin {
                         request,
-                        config,
+                        config: test.config,
                         points: motion.count(),
                         interval_s: motion.interval_s(),
                     });

@@ -24,12 +24,10 @@ impl Period {
         output_delay_us: u32,
     ) -> Self {
         let output = Timer::new(tim4);
-        let delay = (output_delay_us * TICKS_PER_US) as u16;
         output.set_trigger_source(TriggerSource::ITR1);
         output.set_slave_mode(SlaveMode::TRIGGER_MODE);
         output.set_output_compare_mode(Channel::Ch1, OutputCompareMode::PwmMode2);
-        output.set_compare_value(Channel::Ch1, delay);
-        pac::TIM4.arr().write(|w| w.set_arr(delay + delay / 8));
+        leave_after(output_delay_us);
         output.regs_core().cr1().modify(|w| w.set_opm(true));
         output.set_master_mode(MasterMode::COMPARE_OC1);
         core::mem::forget(output);
@@ -54,9 +52,22 @@ impl Period {
         pac::TIM2.arr().write_value(ticks - 1);
     }
 
+    /// The commands leave so many microseconds after each update from now on. Between two lengths one command may leave a period
+    /// late: for a board that is idle.
+    pub fn leave_after(&mut self, us: u32) {
+        leave_after(us);
+    }
+
     /// True if at least so many microseconds of the period have passed.
     #[inline]
     pub fn has_passed(&self, us: u32) -> bool {
         pac::TIM2.cnt().read() > us * TICKS_PER_US
     }
+}
+
+/// The compare of TIM4 and its end, which is written first: a pulse that is under way is not left without one.
+fn leave_after(us: u32) {
+    let delay = (us * TICKS_PER_US) as u16;
+    pac::TIM4.arr().write(|w| w.set_arr(delay + delay / 8));
+    pac::TIM4.ccr(0).write(|w| w.set_ccr(delay));
 }

@@ -6,7 +6,7 @@
 use crate::station::{CALIBRATION_BYTES, Flash, Ring, TEST_BYTES, Wiring};
 use embassy_stm32::flash::{self, Async, FLASH_BASE};
 use link::MAX_ACTUATORS;
-use outerloop_core::Config;
+use link::command::BoardTest;
 
 /// Of each actuator: sectors 12 and 13, 14 and 15, 17 and 18.
 const CALIBRATIONS: [Ring<CALIBRATION_BYTES>; MAX_ACTUATORS] = [
@@ -46,7 +46,7 @@ impl Memory {
     }
 
     /// The test that was saved last.
-    pub fn test(&self) -> Option<Config> {
+    pub fn test(&self) -> Option<BoardTest> {
         TESTS.load(self)
     }
 }
@@ -79,7 +79,7 @@ impl Store {
     }
 
     /// Writes what there is, one calibration an actuator; returns whether all of it reads back as it was.
-    pub async fn save(&mut self, test: Option<&Config>, wirings: &[Option<Wiring>]) -> bool {
+    pub async fn save(&mut self, test: Option<&BoardTest>, wirings: &[Option<Wiring>]) -> bool {
         let mut saved = true;
         for (ring, wiring) in CALIBRATIONS.iter().zip(wirings) {
             if let Some(wiring) = wiring {

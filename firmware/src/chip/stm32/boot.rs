@@ -30,8 +30,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::CodeRange;
 use link::channel::{Calibration, ErrorFeedback};
+use link::command::BoardTest;
 use link::status::{CrashReport, StartCause};
-use outerloop_core::{Config, Refusal};
+use outerloop_core::Refusal;
 use static_cell::{ConstStaticCell, StaticCell};
 
 /// What the board's clocks allow. A step has to be ready when the output takes its command over.
@@ -43,6 +44,7 @@ const fn clock<C: Converters<A>, const A: usize>() -> Clock {
         slowest_rate_hz: 100,
         fastest_rate_hz: link::fastest_rate_hz(link::BAUD, A, C::INPUTS.len()),
         deadline_ticks: (C::OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
+        late_deadline_ticks: (C::LATE_OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
         around_step_ticks: C::AROUND_STEP_CYCLES,
         correction_ticks: CORRECTION_CYCLES,
         stopwatch_hz: clocks::CORE_HZ,
@@ -68,13 +70,13 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
         about.crystal_ok
     );
     let clock = const { clock::<B::Converters, A>() };
-    let (setup, config) = settings(&clock, A);
+    let (setup, test) = settings(&clock, A);
     let saved = saved_calibrations::<A>(&B::Converters::CODES);
     let placeholder = Calibration::placeholder(&B::Converters::CODES);
     let calibrations = saved.map(|saved| saved.unwrap_or(placeholder));
     let StartedConverters {
         converters,
-        mut period,
+        period,
         first,
         answered,
     } = B::Converters::new(
@@ -89,11 +91,12 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
     let (ends, tasks) = queues();
     let (crystal_ok, crashed) = (about.crystal_ok, about.last_crash.is_some());
     let in_force = (setup.rate_hz, setup.model_step_s);
+    let leaves_late = setup.leaves_late;
     let parts = Parts {
         orders: tasks.orders,
         spare: spare(&clock, A),
         writable: tasks.writable,
-        config,
+        test,
         calibrations: saved.into_iter().collect(),
         watch: tasks.watch,
     };
@@ -120,11 +123,9 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
         channels: (A, B::Converters::INPUTS.len()),
     };
     let watchdog = started_watchdog(wired.watchdog);
-    period.start();
-    control.begin(Control {
-        station,
-        metal: Metal::new(converters, period, wired.pins, watchdog),
-    });
+    let mut metal = Metal::new(converters, period, wired.pins, watchdog);
+    metal.start(leaves_late);
+    control.begin(Control { station, metal });
     run_tasks(|spawner| {
         spawner.spawn(defmt::unwrap!(listen::task(listener, rx)));
         spawner.spawn(defmt::unwrap!(report::task(reporter, tx)));
@@ -263,14 +264,14 @@ fn saved_calibrations<const A: usize>(codes: &CodeRange) -> [Option<Calibration>
 
 /// The test to begin with: the saved one, else one that cannot be armed.
 #[inline(never)]
-fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Config>) {
+fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<BoardTest>) {
     static FIRST: Place = Place::new();
     let setup = unconfigured(&FIRST, clock, actuators);
-    let Some(config) = Memory.test() else {
+    let Some(test) = Memory.test() else {
         return (setup, None);
     };
-    match setup.replace(&config, clock, actuators) {
-        Ok(()) => (setup, Some(config)),
+    match setup.replace(&test, clock, actuators) {
+        Ok(()) => (setup, Some(test)),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
             (setup, None)

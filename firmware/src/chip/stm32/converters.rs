@@ -19,6 +19,8 @@ pub trait Converters<const A: usize = 1>: Sized {
     const INPUT_SPAN_V: [f32; 2];
     /// From the sampling trigger to the instant at which the output takes the command over, us.
     const OUTPUT_DELAY_US: u32;
+    /// The same for steps that take longer.
+    const LATE_OUTPUT_DELAY_US: u32 = Self::OUTPUT_DELAY_US;
     /// From the sampling trigger to the beginning of the step, at most, us.
     const BEGINS_US: u32;
     /// Where the timer stands at the latest when a step begins, us: a step that begins later than this was held up.

@@ -74,6 +74,17 @@ impl<C> Metal<C> {
     }
 }
 
+impl<C> Metal<C> {
+    /// Lets the periods run.
+    pub fn start<const A: usize>(&mut self, leaves_late: bool)
+    where
+        C: Converters<A>,
+    {
+        self.leave_late(leaves_late);
+        self.period.start();
+    }
+}
+
 impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     const CODES: CodeRange = C::CODES;
     const INPUTS: &'static [Input] = C::INPUTS;
@@ -144,6 +155,16 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     fn set_period(&mut self, ticks: u32) {
         self.period.set(ticks);
+    }
+
+    fn leave_late(&mut self, late: bool) {
+        if C::LATE_OUTPUT_DELAY_US != C::OUTPUT_DELAY_US {
+            self.period.leave_after(if late {
+                C::LATE_OUTPUT_DELAY_US
+            } else {
+                C::OUTPUT_DELAY_US
+            });
+        }
     }
 
     #[inline]

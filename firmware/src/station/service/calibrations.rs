@@ -4,19 +4,28 @@ use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
 use crate::station::settings::Wiring;
 use link::channel::{Calibration, ChannelCalibration};
-use link::command::Channel;
+use link::command::{BoardTest, Channel};
 use link::limits::CalibratedRange;
 use link::reply::{Obstacle, RefusedParameter, Reply};
 use outerloop_core::Mode;
 
 impl Service {
-    pub(super) fn shown(&self) -> CalibratedRange {
-        CalibratedRange::by_all(self.calibrations.iter().map(|c| &c.0), &self.board.codes)
+    /// What the actuators of a test show, or all of the board's.
+    pub(super) fn shown(&self, test: Option<&BoardTest>) -> CalibratedRange {
+        let used = self.used(test).iter();
+        CalibratedRange::by_all(used.map(|c| &c.0), &self.board.codes)
     }
 
-    /// Somebody has calibrated the channels of every actuator.
+    /// Somebody has calibrated the channels of every actuator that the test in force has, or the board.
     pub(super) fn is_calibrated(&self) -> bool {
-        self.calibrations.iter().all(|c| c.1)
+        self.used(self.test.as_ref()).iter().all(|c| c.1)
+    }
+
+    /// Of a test of two coupled actuators, nothing hangs on the others.
+    fn used(&self, test: Option<&BoardTest>) -> &[(Calibration, bool)] {
+        let coupled = test.filter(|t| t.coupled.is_some());
+        let used = coupled.and_then(|t| self.calibrations.get(..t.actuators()));
+        used.unwrap_or(&self.calibrations)
     }
 
     pub(super) fn last_codes(&self, actuator: usize) -> [u16; 2] {
@@ -85,7 +94,7 @@ impl Service {
         if self.state != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
-        if self.config.is_none() && self.calibrations.iter().all(|c| !c.1) {
+        if self.test.is_none() && self.calibrations.iter().all(|c| !c.1) {
             return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
         }
         let wiring = |&(calibration, made): &(Calibration, bool)| {
@@ -93,6 +102,6 @@ impl Service {
             made.then_some(wiring)
         };
         let wirings = self.calibrations.iter().map(wiring).collect();
-        CommandResult::Save(self.config.clone(), wirings)
+        CommandResult::Save(self.test.clone(), wirings)
     }
 }

@@ -15,11 +15,14 @@ impl Service {
         if usize::from(actuator) >= self.board.actuators {
             return self.no_actuator(actuator);
         }
-        let Some(config) = &self.config else {
+        let Some(test) = &self.test else {
             return self.reply(self.rejected(None, Some(Obstacle::NotConfigured)));
         };
+        if test.coupled.is_some() {
+            return self.not_of_coupled("watch");
+        }
         // As the loop counts them.
-        let steps = steps_in_block(config.timing.rate_hz);
+        let steps = steps_in_block(test.config.timing.rate_hz);
         if self.state != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }

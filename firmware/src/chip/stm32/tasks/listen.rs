@@ -10,9 +10,9 @@ use embassy_stm32::usart::RingBufferedUartRx;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
 use heapless::spsc::Consumer;
 use link::Command;
+use link::command::BoardTest;
 use link::frame::{Decoder, DecoderCounts, FrameKind};
 use link::reply::NumberedReply;
-use outerloop_core::Config;
 
 /// How often the task shows a sign of life, at least. Each time reading begins anew, and that is the less often the better:
 /// it looks at the data register while DMA may be about to take a byte from it.
@@ -112,7 +112,7 @@ impl Listener {
     }
 
     /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
-    async fn save(&mut self, test: Option<&Config>, wirings: &[Option<Wiring>]) -> bool {
+    async fn save(&mut self, test: Option<&BoardTest>, wirings: &[Option<Wiring>]) -> bool {
         let heartbeats = self.heartbeats;
         let alive = async {
             let mut beat = Ticker::every(BEAT);
