@@ -5,7 +5,6 @@ mod channel;
 mod corners;
 pub mod coupled;
 pub mod dial;
-mod driven;
 mod expected_error;
 mod found;
 mod held_out;
@@ -81,7 +80,6 @@ pub fn diagnose(
         };
         let mut answer = channel.judge(&mut improved);
         channel.doubt_none(&mut answer);
-        channel.judge_as_driven(&mut answer, channels.first(), &mut improved);
         channel.excuse_corners(&mut answer);
         noise_floor::limit_floor(&mut answer, f64::INFINITY);
         let lines = channel.lines_in_place_of_noise(&mut answer);

@@ -87,13 +87,12 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
     }
 }
 
-/// Friction of an actuator moves the specimen with corners that a noisy reading does not show; its reading has the mains with a harmonic
-/// between two bins of a short rest; and the colour of a noise is no line of a pump.
+/// A displacement's reading has the mains with a harmonic between two bins of a short rest, and the colour of a noise is no line of a
+/// pump.
 #[test]
-fn a_sound_channel_is_not_unknown_for_what_its_neighbour_or_its_noise_does() {
+fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_noise() {
     let ids = [
-        "matched-7000055",
-        "matched-7000095",
+        "matched-7000008",
         "matched-7000116",
         "clean-7000070",
         "clean-7000072",
