@@ -98,11 +98,6 @@ pub enum InjectedFault {
         /// Hundredths.
         percent: u32,
     },
-    /// The load cell's zero has gone by so many newtons.
-    ForceOffset {
-        /// Newtons.
-        n: i32,
-    },
     /// The servo valve is wide open by itself: the rig goes one way as fast as the valve lets it.
     Runaway {
         /// Towards the upper end.

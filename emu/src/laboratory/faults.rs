@@ -51,10 +51,6 @@ impl Laboratory {
                 let force = &mut shown.force[self.victim];
                 *force = middle + (*force - middle) * f64::from(percent) / 100.0;
             }
-            Some(InjectedFault::ForceOffset { n }) => {
-                let per_code = f64::from(self.wired[self.victim].force.per_code);
-                shown.force[self.victim] += f64::from(n) / per_code;
-            }
             Some(InjectedFault::SensorAtRail) => shown.displacement[self.victim] = top,
             Some(InjectedFault::FrozenSensor) => {
                 shown.displacement[self.victim] = self.frozen.displacement[self.victim];
@@ -179,7 +175,6 @@ impl Laboratory {
             | InjectedFault::ForceFlickers
             | InjectedFault::SensorFlickers
             | InjectedFault::ForceGain { .. }
-            | InjectedFault::ForceOffset { .. }
             | InjectedFault::Runaway { .. }
             | InjectedFault::CommandOpen
             | InjectedFault::DeadValve

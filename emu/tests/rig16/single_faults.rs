@@ -481,6 +481,10 @@ fn how_far_single_faults_go_under_limits_that_are_worked_out() {
             );
         }
     }
+    // Under limits that somebody has stated: no signal tells it from another specimen.
+    for percent in [50, 150] {
+        beyond_in_a_test(USUAL, ForceGain { percent }, PHASES[0], &plan, &stated());
+    }
     // The way from where the rig has sunk to zero, for a transducer that is dead at arming.
     assert!((0.02..0.03).contains(&farthest_m), "{farthest_m} m");
 }
