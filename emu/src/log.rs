@@ -89,6 +89,29 @@ pub enum InjectedFault {
     ReadBackFlickers,
     /// The second displacement is there in every third frame only.
     SecondSensorFlickers,
+    /// The force is there in every third frame only.
+    ForceFlickers,
+    /// The displacement is there in every third frame only.
+    SensorFlickers,
+    /// The force reads so many hundredths of what it is.
+    ForceGain {
+        /// Hundredths.
+        percent: u32,
+    },
+    /// The servo valve is wide open by itself: the rig goes one way as fast as the valve lets it.
+    Runaway {
+        /// Towards the upper end.
+        up: bool,
+    },
+    /// The wire to the servo is broken behind where the command is read back: the servo reads ground.
+    CommandOpen,
+    /// The reference of the external input converter is off: everything reads so many hundredths of what it is.
+    InputScale {
+        /// Hundredths.
+        percent: u32,
+    },
+    /// The external input converter ends its conversions and shows the results of an earlier one.
+    InputStands,
     /// The memory of the ground motion reads as ones, each point a NaN.
     LostMotion,
     /// A bit of the sampling timer's period turns over: at 2 kHz it is more than twice as long, by the timer's own count as well.

@@ -14,6 +14,8 @@ pub enum Contact {
     Broken,
     /// It is closed for good.
     Welded,
+    /// It opens for a moment again and again.
+    Chatters,
     /// The wire by which it is read back is open; what hangs on it has its permission.
     Unread,
 }
@@ -68,6 +70,7 @@ impl Permission {
         }
         match self.fault {
             None | Some(Contact::Unread) => self.closed,
+            Some(Contact::Chatters) => self.closed && at_ns / period_ns % 16 >= 5,
             Some(Contact::Broken) => false,
             Some(Contact::Welded) => true,
         }

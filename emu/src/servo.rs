@@ -34,6 +34,7 @@ impl Servo {
                 let share = f64::from(self.since) / f64::from(GAIN_PERIODS);
                 told_m * (1.0 + share * (f64::from(percent) / 100.0 - 1.0))
             }
+            Some(InjectedFault::CommandOpen) => 0.0,
             _ => {
                 self.since = 0;
                 told_m

@@ -28,10 +28,27 @@ pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f
     })
 }
 
-/// Nothing within `width` in all around zero.
-pub fn dead_zone(x: &[f64], width: f64) -> impl Iterator<Item = f64> + '_ {
-    let half = 0.5 * width;
-    x.iter().map(move |x| x - x.clamp(-half, half))
+/// No change within a width in all around a middle; the corners of that zone are round over so much to either side.
+pub fn dead_zone(x: &[f64], [width, round, middle]: [f64; 3]) -> impl Iterator<Item = f64> + '_ {
+    let passes = move |x: &f64| {
+        let [above, below] = [x - middle, middle - x].map(|x| beyond(x - 0.5 * width, round));
+        middle + above - below
+    };
+    x.iter().map(passes)
+}
+
+/// Stops at `low` and `high`, whose corners are round over `round` to either side.
+pub fn stopped(x: f64, [low, high]: [f64; 2], round: f64) -> f64 {
+    x - beyond(x - high, round) + beyond(low - x, round)
+}
+
+/// How far beyond zero, by a corner that a parabola rounds over `round` to either side.
+fn beyond(x: f64, round: f64) -> f64 {
+    if x.abs() < round {
+        (x + round).powi(2) / (4.0 * round)
+    } else {
+        x.max(0.0)
+    }
 }
 
 /// What a joint slips that holds up to the deformation `holds` and has a clearance of `gap` in all.
@@ -145,6 +162,32 @@ mod tests {
     use super::*;
     use crate::numbers::signals::{add_scaled, averaged, rms};
     use std::f64::consts::TAU;
+
+    #[test]
+    fn round_corners_leave_what_is_far_from_them_and_join_without_a_step() {
+        let x: Vec<f64> = (-400..=400).map(|i| 0.01 * f64::from(i)).collect();
+        let [sharp, round] = [0.0, 0.3].map(|r| dead_zone(&x, [2.0, r, 0.5]).collect::<Vec<_>>());
+        for (i, x) in x.iter().enumerate() {
+            // From -0.5 to 1.5 it stays in the middle.
+            let exact = if (x - 0.5).abs() < 1.0 {
+                0.5
+            } else {
+                x - (x - 0.5).signum()
+            };
+            assert!((sharp[i] - exact).abs() < 1e-12, "{x}");
+            let near = ((x - 0.5).abs() - 1.0).abs() < 0.3;
+            assert!(near || (round[i] - exact).abs() < 1e-12, "{x}");
+            let stops = [0.0, 0.3].map(|r| stopped(*x, [-1.0, 2.0], r));
+            assert_eq!(stops[0], x.clamp(-1.0, 2.0));
+            let near = (x + 1.0).abs() < 0.3 || (x - 2.0).abs() < 0.3;
+            assert!(near || (stops[1] - stops[0]).abs() < 1e-12, "{x}");
+        }
+        let slopes = round.windows(2).map(|y| (y[1] - y[0]) / 0.01);
+        let slopes: Vec<f64> = slopes.collect();
+        let turns = slopes.windows(2).map(|s| (s[1] - s[0]).abs());
+        // A parabola's slope rises by 1 over 0.6.
+        assert!(turns.fold(0.0, f64::max) < 1.01 * 0.01 / 0.6);
+    }
 
     #[test]
     fn a_lag_of_the_way_back_is_the_same_in_means_of_samples() {

@@ -21,6 +21,10 @@ pub struct Ad7606 {
     ready: bool,
     converting: Option<(u64, [i16; 8])>,
     results: [i16; 8],
+    /// So many hundredths of what it is reads everything, if its reference is off.
+    pub percent: Option<u32>,
+    /// The results are those of an earlier conversion from now on.
+    pub stands: bool,
     /// DOUTA's level, if it is stuck.
     pub stuck: Option<Level>,
     /// The bit of the next frame that turns over on its way.
@@ -54,7 +58,13 @@ impl Ad7606 {
     /// What has come due by now.
     pub fn settle(&mut self, at_ns: u64) {
         if let Some((_, results)) = self.converting.take_if(|(ends, _)| *ends <= at_ns) {
-            self.results = results;
+            if !self.stands {
+                let percent = self.percent.map_or(100, |p| p as i32);
+                self.results = results.map(|word| {
+                    let scaled = i32::from(word) * percent / 100;
+                    scaled.clamp(-32768, 32767) as i16
+                });
+            }
         }
     }
 

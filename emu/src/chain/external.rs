@@ -39,6 +39,9 @@ const BUSY_CHANNEL: u8 = 4;
 /// Half of the board's 3.3 V, by two resistors of 10 kOhm before 1 MOhm.
 const KNOWN_V: f64 = 1.65 * 0.995;
 
+/// Codes of 16 bits over +-10 V.
+const CODES_PER_V: f64 = 3276.8;
+
 /// Acceleration at full scale of its input, m/s^2.
 const FULL_SCALE_M_PER_S2: f64 = 50.0;
 
@@ -210,10 +213,11 @@ pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
     let read_back = output.map_or(0.0, |volts| volts[0]);
     let read_back = if shown.read_back_open { 0.0 } else { read_back };
     let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2 * 10.0;
-    let of_volts = |volts: f64| (volts * 3276.8).round().clamp(-32768.0, 32767.0) as i16;
+    let of_volts = |volts: f64| (volts * CODES_PER_V).round().clamp(-32768.0, 32767.0) as i16;
     let of_code = |code: f64| (code.round() - 32768.0).clamp(-32768.0, 32767.0) as i16;
     let (read_back, acceleration) = (of_volts(read_back), of_volts(acceleration));
-    let known = of_volts(if shown.known_gone { 0.0 } else { KNOWN_V });
+    let known_v = if shown.known_gone { 0.0 } else { KNOWN_V };
+    let known = of_volts(known_v + shown.known_noise / CODES_PER_V);
     let second = of_code(shown.second_displacement);
     let [d1, d2, d3] = shown.displacement.map(of_code);
     let [f1, f2, f3] = shown.force.map(of_code);
@@ -271,7 +275,7 @@ pub fn end_of_period(
 /// The code that stands for the voltage of an actuator's output.
 pub fn pin(session: &mut Session<Nucleo>, actuator: usize) -> Option<u16> {
     let volts = output(session)?.volts(actuator);
-    Some(((volts + 10.0) * 3276.8).round().clamp(0.0, 65535.0) as u16)
+    Some(((volts + 10.0) * CODES_PER_V).round().clamp(0.0, 65535.0) as u16)
 }
 
 /// The output converter's supply goes and comes back: it is as after power-up.
@@ -285,6 +289,20 @@ pub fn dip_output(session: &mut Session<Nucleo>) {
 pub fn stick_data(session: &mut Session<Nucleo>, high: bool) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.stuck = Some(if high { Level::High } else { Level::Low });
+    }
+}
+
+/// The AD7606's reference is off: it reads so many hundredths of what stands at its inputs.
+pub fn scale_input(session: &mut Session<Nucleo>, percent: u32) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.percent = Some(percent);
+    }
+}
+
+/// The AD7606's results stand from now on, and BUSY falls all the same.
+pub fn stand_input(session: &mut Session<Nucleo>) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.stands = true;
     }
 }
 

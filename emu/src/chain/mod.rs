@@ -236,6 +236,8 @@ impl Chain {
             match fault {
                 InjectedFault::OutputDips => external::dip_output(session),
                 InjectedFault::InputDips => external::dip_input(session),
+                InjectedFault::InputScale { percent } => external::scale_input(session, percent),
+                InjectedFault::InputStands => external::stand_input(session),
                 InjectedFault::StuckData { high } => external::stick_data(session, high),
                 _ => {}
             }

@@ -24,6 +24,8 @@ pub struct Shown {
     pub force: [f64; MAX_ACTUATORS],
     /// Second displacement of the first actuator.
     pub second_displacement: f64,
+    /// Noise of the known voltage, codes.
+    pub known_noise: f64,
     /// The known voltage of external converters is gone, and the wire that reads the first command back is broken.
     pub known_gone: bool,
     pub read_back_open: bool,

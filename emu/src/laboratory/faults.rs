@@ -34,6 +34,7 @@ impl Laboratory {
         // One code up, one down, by a sequence that repeats after seven steps.
         let noise = [0.0, 1.0, -1.0, 1.0, 0.0, -1.0, 0.0][(self.steps % 7) as usize];
         let gone = !self.steps.is_multiple_of(3);
+        shown.known_noise = noise;
         // What stands from the first sample on stands where that is.
         if self.steps == 0 {
             self.frozen = shown;
@@ -43,6 +44,12 @@ impl Laboratory {
             Some(InjectedFault::ReadBackFlickers) => shown.read_back_open = gone,
             Some(InjectedFault::SecondSensorFlickers) if gone => {
                 shown.second_displacement = middle;
+            }
+            Some(InjectedFault::ForceFlickers) if gone => shown.force[self.victim] = middle,
+            Some(InjectedFault::SensorFlickers) if gone => shown.displacement[self.victim] = middle,
+            Some(InjectedFault::ForceGain { percent }) => {
+                let force = &mut shown.force[self.victim];
+                *force = middle + (*force - middle) * f64::from(percent) / 100.0;
             }
             Some(InjectedFault::SensorAtRail) => shown.displacement[self.victim] = top,
             Some(InjectedFault::FrozenSensor) => {
@@ -132,6 +139,8 @@ impl Laboratory {
             }
             InjectedFault::OutputDips
             | InjectedFault::InputDips
+            | InjectedFault::InputScale { .. }
+            | InjectedFault::InputStands
             | InjectedFault::StuckData { .. } => self.chain.disturb(session, planned.fault),
             InjectedFault::LateWord => {
                 let write = Access::new(AccessKind::Write, SPI1_DR, Width::W32, 0);
@@ -163,6 +172,11 @@ impl Laboratory {
             | InjectedFault::ReadBackFlickers
             | InjectedFault::SecondSensorFlickers
             | InjectedFault::NoiseBurst
+            | InjectedFault::ForceFlickers
+            | InjectedFault::SensorFlickers
+            | InjectedFault::ForceGain { .. }
+            | InjectedFault::Runaway { .. }
+            | InjectedFault::CommandOpen
             | InjectedFault::DeadValve
             | InjectedFault::Gain { .. }
             | InjectedFault::Stiffness { .. }

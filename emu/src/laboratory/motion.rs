@@ -25,6 +25,7 @@ impl Laboratory {
         let victim = self.victim;
         let moves = |actuator: usize| closed && !(dead && actuator == victim);
         let period_s = period_ns as f64 * 1e-9;
+        let codes = self.chain.converters().widths();
         let mut pins = [None; MAX_ACTUATORS];
         for (actuator, pin) in pins.iter_mut().enumerate().take(actuators) {
             *pin = self.chain.pin(session, &self.registers, actuator);
@@ -32,6 +33,12 @@ impl Laboratory {
             let fault = self.active.filter(|_| actuator == self.victim);
             let told_m = chain::command_m(wired, pin.unwrap_or(0));
             let told_m = self.servos[actuator].follow(told_m, fault);
+            let told_m = match fault {
+                Some(InjectedFault::Runaway { up }) => {
+                    chain::command_m(wired, if up { codes.command_top } else { 0 })
+                }
+                _ => told_m,
+            };
             let spool_m = &mut self.spool_m[actuator];
             if moves(actuator) {
                 let most_m = self.valve_m_per_s * period_s;

@@ -9,7 +9,7 @@
 use crate::desk::{Bench, Desk, STIFFNESS_N_PER_M, codes, config};
 use emu::{Contact, InjectedFault, Log, LoggedEvent, PlannedFault};
 use link::limits::CalibratedRange;
-use link::reply::Reply;
+use link::reply::{Obstacle, Reply};
 use link::{Calibration, Command};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_core::config::Limits;
@@ -40,7 +40,7 @@ const AT_ONCE: Actuator = Actuator {
 /// A fault as it stands in the table.
 use InjectedFault::*;
 
-const FAULTS: [InjectedFault; 49] = [
+const FAULTS: [InjectedFault; 58] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -82,6 +82,15 @@ const FAULTS: [InjectedFault; 49] = [
     LateBy(100),
     SlowTimer,
     FastTimer,
+    Runaway { up: true },
+    Runaway { up: false },
+    CommandOpen,
+    ForceFlickers,
+    SensorFlickers,
+    InputScale { percent: 92 },
+    InputScale { percent: 108 },
+    InputStands,
+    Chain(Contact::Chatters),
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),
     Drill(2),
@@ -340,6 +349,33 @@ fn a_load_cell_that_stands_in_its_converters_noise_moves_nothing_beyond_the_plan
     assert_eq!(each(USUAL, &[StandingForce], &PHASES[1..2]), [""; 0]);
 }
 
+#[test]
+fn a_load_cell_that_comes_and_goes_moves_nothing_beyond_the_plan() {
+    assert_eq!(each(USUAL, &[ForceFlickers], &PHASES[1..2]), [""; 0]);
+}
+
+/// Each opening makes the actuator later, and a test swings up by that long before its tracking limit acts.
+#[test]
+fn a_contact_that_chatters_moves_nothing_beyond_the_plan_whatever_its_limits_are() {
+    let plan = run(USUAL, None, 0, &stated());
+    let chatters = Chain(Contact::Chatters);
+    let beyond_m = beyond_in_a_test(USUAL, chatters, PHASES[1], &plan, &worked_out(&plan));
+    assert!(beyond_m <= BEYOND_M, "{beyond_m} m");
+}
+
+/// The frames are right, and show where the rig was when it began: nothing but their noise tells.
+#[test]
+fn an_input_converter_whose_results_stand_is_not_armed() {
+    assert_eq!(each_before_arming(&[InputStands]), [""; 0]);
+    let mut desk = desk(USUAL, Some(InputStands), 0, 0.02, &stated());
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let lost = Some(Obstacle::Fault(Fault::Output));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == lost),
+        "{reply:?}"
+    );
+}
+
 /// A test that has met a fault on its way, and has gone on until the fault must have been seen.
 fn met_in_a_test(fault: InjectedFault) -> Desk {
     let mut desk = desk(USUAL, Some(fault), PHASES[1], 0.0, &stated());
@@ -362,6 +398,7 @@ fn what_comes_and_goes_trips_though_no_run_of_bad_steps_is_long() {
         (KnownVoltageFlickers, Fault::StaleSample),
         (ReadBackFlickers, Fault::Output),
         (SecondSensorFlickers, Fault::Disagree),
+        (ForceFlickers, Fault::ForceStands),
     ] {
         let mut desk = met_in_a_test(fault);
         assert_came(fault, &desk.log());
@@ -443,6 +480,10 @@ fn how_far_single_faults_go_under_limits_that_are_worked_out() {
                 running_m * 1e3
             );
         }
+    }
+    // Under limits that somebody has stated: no signal tells it from another specimen.
+    for percent in [50, 150] {
+        beyond_in_a_test(USUAL, ForceGain { percent }, PHASES[0], &plan, &stated());
     }
     // The way from where the rig has sunk to zero, for a transducer that is dead at arming.
     assert!((0.02..0.03).contains(&farthest_m), "{farthest_m} m");

@@ -172,13 +172,13 @@ fn soaked(board_s: u64, part: usize) -> Outcomes {
             soak.outcomes
         );
     };
-    let mut was_reset = false;
+    let mut at_rest = true;
     let mut said_s = 0.0;
     while soak.now_s < board_s as f64 {
-        was_reset = soak.seen().1 || was_reset;
-        // Where a reset has left the specimen, its force may be beyond the smaller limit.
-        let trips = !was_reset && soak.outcomes.completed > 2 * soak.outcomes.tripped;
-        was_reset = soak.test(trips);
+        at_rest &= !soak.seen().1;
+        // Where a reset or a trip has left the specimen, its force is beyond the smaller limit, and nothing is armed with that.
+        let trips = at_rest && soak.outcomes.completed > 2 * soak.outcomes.tripped;
+        at_rest = !soak.test(trips) && !trips;
         if soak.now_s > said_s + SAID_EVERY_S {
             say(&soak);
             said_s = soak.now_s;

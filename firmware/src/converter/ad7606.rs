@@ -32,10 +32,17 @@ const PAUSE_CYCLES: u32 = 1000 * US;
 const KNOWN: u16 = SIGN + 5406;
 const KNOWN_OFF: u16 = 541;
 
+/// Frames one after the other in which the known voltage may have the same code. The converter's noise is half a code rms: one that
+/// says that it has converted, and shows an earlier result, has none.
+const STANDS_FRAMES: u16 = 1000;
+
 /// The converter.
 pub struct Ad7606 {
     bus: Bus,
     select: Output<'static>,
+    /// The last code of the known voltage, and in how many frames it has been that.
+    known: u16,
+    stands: u16,
 }
 
 impl Ad7606 {
@@ -47,7 +54,12 @@ impl Ad7606 {
         cortex_m::asm::delay(US);
         // It stays as it is.
         core::mem::forget(reset);
-        Self { bus, select }
+        Self {
+            bus,
+            select,
+            known: 0,
+            stands: 0,
+        }
     }
 
     /// A conversion by hand, before the timer runs: the first `W` inputs, with the known voltage at the last of them. No codes:
@@ -82,8 +94,22 @@ impl Ad7606 {
         self.select.set_high();
         codes.filter(|codes: &[u16; W]| {
             let known = codes.last().copied().unwrap_or(0);
-            known.abs_diff(KNOWN) <= KNOWN_OFF
+            let is_frame = known.abs_diff(KNOWN) <= KNOWN_OFF;
+            if is_frame {
+                self.stands = if known == self.known {
+                    self.stands.saturating_add(1)
+                } else {
+                    0
+                };
+                self.known = known;
+            }
+            is_frame
         })
+    }
+
+    /// Its results are new ones, as far as their noise shows it.
+    pub fn converts(&self) -> bool {
+        self.stands < STANDS_FRAMES
     }
 
     #[inline]

@@ -22,12 +22,12 @@ impl Permission {
         self.armed = true;
     }
 
-    /// Whether it is given, where the loop's step says that motion is permitted or not. What has fallen has to be armed again.
+    /// Whether it is given, where the loop's step says that motion is permitted or not. What has fallen, or was not permitted in the
+    /// step behind the order, has to be armed again.
     #[inline]
     pub fn of_step(&mut self, permits: bool) -> bool {
         let given = permits && self.armed;
-        self.armed &= given || !self.given;
-        self.given = given;
+        (self.armed, self.given) = (given, given);
         given
     }
 
@@ -46,13 +46,15 @@ mod tests {
         let mut permission = Permission::none();
         assert!(!permission.of_step(true), "nobody armed it");
         permission.arm();
-        // The order is carried out behind the step: the next one may not permit yet.
-        assert!(!permission.of_step(false));
         assert!(permission.of_step(true) && permission.of_step(true));
         // A wrong bit in one step.
         assert!(!permission.of_step(false) && !permission.is_given());
         assert!(!permission.of_step(true) && !permission.of_step(true));
         permission.arm();
         assert!(permission.of_step(true) && permission.is_given());
+        // Armed, and a fault in the next step: the order is spent.
+        let mut permission = Permission::none();
+        permission.arm();
+        assert!(!permission.of_step(false) && !permission.of_step(true));
     }
 }

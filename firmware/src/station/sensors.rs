@@ -6,7 +6,8 @@ use link::telemetry::MAX_INPUTS;
 use link::{Input, MAX_ACTUATORS};
 use outerloop_core::Fault;
 
-/// Steps that are no fault, one without taking one off: a spike on a wire.
+/// Steps that are no fault, one without taking one off: a spike on a wire. A force that is there for no longer than so many steps
+/// one after the other is none either: a contact that comes and goes.
 const TIMEOUT_STEPS: u8 = 4;
 
 /// A force within this share of what the declared stiffness makes of the motion is none.
@@ -55,13 +56,72 @@ impl SensorLimits {
     }
 }
 
+/// What has been seen of a load cell.
+#[derive(Clone, Copy, Debug)]
+struct ForceWatch {
+    /// Least and largest displacement with no force, since it was last there, m.
+    without_m: [f32; 2],
+    /// Steps one after the other with a force.
+    with_steps: u8,
+    /// Least and largest displacement since its codes last changed by more than noise, m, and these codes.
+    standing_m: [f32; 2],
+    codes: [u16; 2],
+}
+
+/// A range in which nothing lies.
+const NOWHERE_M: [f32; 2] = [f32::MAX, f32::MIN];
+
+impl ForceWatch {
+    const NEW: Self = Self {
+        without_m: NOWHERE_M,
+        with_steps: 0,
+        standing_m: NOWHERE_M,
+        codes: [0; 2],
+    };
+
+    /// Takes in a displacement, a force and its code; gives the motion, m, over which the force was none, or stood. `tests` as in
+    /// [`SensorWatch::fault`].
+    #[inline]
+    fn motion_m(
+        &mut self,
+        [m, n]: [f32; 2],
+        none_n: f32,
+        (code, top): (u16, u16),
+        tests: bool,
+    ) -> f32 {
+        self.with_steps = if n.abs() <= none_n {
+            0
+        } else {
+            self.with_steps.saturating_add(1)
+        };
+        let [low, high] = [self.codes[0].min(code), self.codes[1].max(code)];
+        let stands = low.abs_diff(high) <= top / STANDS_PART;
+        self.codes = if stands { [low, high] } else { [code; 2] };
+        if !tests || self.with_steps > TIMEOUT_STEPS {
+            self.without_m = NOWHERE_M;
+        } else if self.with_steps == 0 {
+            extend(&mut self.without_m, m);
+        }
+        if tests && stands {
+            extend(&mut self.standing_m, m);
+        } else {
+            self.standing_m = NOWHERE_M;
+        }
+        let [without_m, standing_m] =
+            [self.without_m, self.standing_m].map(|[least, most]| most - least);
+        without_m.max(standing_m)
+    }
+}
+
+#[inline]
+fn extend([least, most]: &mut [f32; 2], m: f32) {
+    (*least, *most) = (least.min(m), most.max(m));
+}
+
 /// What has been seen of the sensors of `A` actuators.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorWatch<const A: usize> {
-    /// Least and largest displacement since the force was last there, m.
-    range_m: [[f32; 2]; A],
-    /// Least and largest code of the force where it stands.
-    stands: [[u16; 2]; A],
+    force: [ForceWatch; A],
     apart_steps: u8,
 }
 
@@ -69,8 +129,7 @@ impl<const A: usize> SensorWatch<A> {
     /// Nothing seen yet.
     pub const fn new() -> Self {
         Self {
-            range_m: [[f32::MAX, f32::MIN]; A],
-            stands: [[0; 2]; A],
+            force: [ForceWatch::NEW; A],
             apart_steps: 0,
         }
     }
@@ -107,7 +166,7 @@ impl<const A: usize> SensorWatch<A> {
             .then_some(Fault::ForceStands)
     }
 
-    /// Around zero, or where it is.
+    /// Around zero, now and then or all the time, or where it is.
     fn force_stands(
         &mut self,
         limits: &SensorLimits,
@@ -116,20 +175,14 @@ impl<const A: usize> SensorWatch<A> {
         tests: bool,
     ) -> bool {
         let mut stands = false;
-        let seen = self.range_m.iter_mut().zip(&mut self.stands);
-        let each = seen.zip(read).zip(codes).zip(&limits.no_force_n);
-        for ((((range_m, codes), &[m, n]), &[_, code]), &none_n) in each {
-            let [least, most] = range_m;
-            let &mut [lowest, highest] = codes;
-            let [low, high] = [lowest.min(code), highest.max(code)];
-            let is_there = low.abs_diff(high) <= top / STANDS_PART;
-            if tests && (n.abs() <= none_n || is_there) {
-                (*least, *most) = (least.min(m), most.max(m));
-                stands |= *most - *least > limits.force_stands_m;
-            } else {
-                (*least, *most) = (f32::MAX, f32::MIN);
-            }
-            *codes = if is_there { [low, high] } else { [code; 2] };
+        let each = self
+            .force
+            .iter_mut()
+            .zip(read)
+            .zip(codes)
+            .zip(&limits.no_force_n);
+        for (((seen, &read), &[_, code]), &none_n) in each {
+            stands |= seen.motion_m(read, none_n, (code, top), tests) > limits.force_stands_m;
         }
         stands
     }
@@ -160,5 +213,44 @@ mod tests {
             });
             assert_eq!(stands, expected, "{off} of {top} codes to either side");
         }
+    }
+
+    #[test]
+    fn a_force_that_comes_and_goes_is_none_and_one_that_passes_zero_on_its_way_is_there() {
+        let limits = SensorLimits {
+            disagree_m: f32::MAX,
+            force_stands_m: 2e-3,
+            no_force_n: [10.0; MAX_ACTUATORS],
+        };
+        // The force at a step, N, of a motion of 10 mm to either side.
+        let seen = |force_n: fn(i32) -> f32| {
+            let mut watch = SensorWatch::<1>::new();
+            (0..400_i32).any(|step| {
+                let m = 1e-4 * (100 - (step % 400 - 200).abs()) as f32;
+                let n = force_n(step);
+                let code = (32_768.0 + n) as u16;
+                watch.force_stands(&limits, (&[[0, code]], 65_535), &[[m, n]], true)
+            })
+        };
+        let lives = |step: i32| 50.0 * (100 - (step % 400 - 200).abs()) as f32;
+        assert_eq!(lives(0), -5000.0);
+        assert!(!seen(|step| 50.0 * (100 - (step % 400 - 200).abs()) as f32));
+        assert!(seen(|_| 0.0));
+        assert!(seen(|step| if step % 3 == 0 {
+            3000.0 + step as f32 * 9.0
+        } else {
+            0.0
+        }));
+        assert!(seen(|step| if step % 5 == 0 {
+            0.0
+        } else {
+            3000.0 + step as f32 * 9.0
+        }));
+        // A spike is no dead load cell.
+        assert!(!seen(|step| if step % 8 == 0 {
+            0.0
+        } else {
+            3000.0 + step as f32 * 9.0
+        }));
     }
 }

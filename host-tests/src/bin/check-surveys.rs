@@ -34,7 +34,7 @@ enum Survey {
         rigs: u64,
     },
     /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets. Exit
-    /// status 1 where one of them is missed by more than docs/rig-watch.md says, and by more than chance
+    /// status 1 where one of them is missed by more than docs/rig-watch-validation.md says, and by more than chance
     Watch {
         /// How many sound tests
         #[arg(default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -239,7 +239,7 @@ fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, F
     }
     if !worse.is_empty() {
         println!(
-            "\nworse than in docs/rig-watch.md, by more than chance: {}",
+            "\nworse than in docs/rig-watch-validation.md, by more than chance: {}",
             worse.join("; ")
         );
     }

@@ -86,3 +86,20 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
         assert!(s.grade.mark.is_right(), "{}: {}", s.item.seed, said(s));
     }
 }
+
+/// A displacement's reading has the mains with a harmonic between two bins of a short rest, and the colour of a noise is no line of a
+/// pump.
+#[test]
+fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_noise() {
+    let ids = [
+        "matched-7000008",
+        "matched-7000116",
+        "clean-7000070",
+        "clean-7000072",
+    ];
+    let items = ids.map(|id| Item::from_id(id).unwrap());
+    let all = sit(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    for s in &all {
+        assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
+    }
+}

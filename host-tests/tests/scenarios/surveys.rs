@@ -101,7 +101,7 @@ fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     let sound = watch::sound(60, 7000, || ()).expect("tests that can run");
     let counts = sound.iter().filter(|t| t.counts);
     let named: Vec<_> = counts.clone().filter_map(|t| t.named.as_ref()).collect();
-    // docs/rig-watch.md says how far the aim, none of 10 000, is missed.
+    // docs/rig-watch-validation.md says how far the aim, none of 10 000, is missed.
     assert!(named.len() <= 1, "{named:?}");
     let all = counts.count();
     assert!(all > 50);

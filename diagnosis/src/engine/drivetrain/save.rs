@@ -90,7 +90,7 @@ impl ActuatorData<'_> {
                 });
             }
         }
-        let gain = fit.declared[0];
+        let [gain, .., offset] = fit.declared;
         let mut amplitudes = fit.amplitudes.iter();
         for part in &fit.model.parts {
             let [a, b, c, d] = part.shapes;
@@ -105,8 +105,23 @@ impl ActuatorData<'_> {
                 PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
-                PartKind::Play | PartKind::DeadBand => vec![("width_mm", width)],
-                PartKind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
+                PartKind::Play => vec![("width_mm", width)],
+                // Behind gain and offset, as a model file has them.
+                PartKind::DeadBand => vec![
+                    ("width_mm", width),
+                    ("round_mm", b * gain.abs()),
+                    ("middle_mm", c * gain + offset),
+                ],
+                PartKind::Stops | PartKind::SoftStops => {
+                    let mut all = vec![
+                        ("lower_mm", a * gain + offset),
+                        ("upper_mm", b * gain + offset),
+                    ];
+                    if part.kind == PartKind::SoftStops {
+                        all.push(("round_mm", c * gain.abs()));
+                    }
+                    all
+                }
                 PartKind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
                 PartKind::Seal => vec![
                     ("oil_bend_mm", a),
@@ -149,16 +164,21 @@ fn part_figures(
         PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
         PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
         PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
-        PartKind::Play | PartKind::DeadBand => {
-            vec![("width_mm", "mm", a * gain, sa * gain)]
+        PartKind::Play => vec![("width_mm", "mm", a * gain, sa * gain)],
+        PartKind::DeadBand => {
+            let mut all = vec![("width_mm", "mm", a * gain, sa * gain)];
+            all.extend((b > 0.0).then_some(("round_mm", "mm", b * gain, sb * gain)));
+            all
         }
-        PartKind::Stops => {
+        PartKind::Stops | PartKind::SoftStops => {
             let nearest = if a.abs() < b.abs() {
                 (a.abs(), sa)
             } else {
                 (b.abs(), sb)
             };
-            vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
+            let mut all = vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)];
+            all.extend((c > 0.0).then_some(("round_mm", "mm", c * gain, sc * gain)));
+            all
         }
         PartKind::Friction => vec![
             ("error_mm", "mm", strength, ss),

@@ -104,19 +104,20 @@ pub const ROUNDED_LIMIT: Candidate = Candidate {
     ..BASIS
 };
 
-/// Widest round of a gap's corners, over the gap: a sixth of the spring is felt in the middle of such a gap, and what is felt more
-/// is a spring that stiffens.
-const ROUND: f64 = 0.2;
+/// Widest round of a gap's corners, over the gap: they meet in the middle of such a gap, and where the spring is felt there it is one
+/// that stiffens.
+const ROUND: f64 = 0.5;
 
 /// A gap with rounded corners: the rival of a spring that stiffens.
 pub const ROUNDED_GAP: Candidate = Candidate {
     effect: Effect::DeadBand,
     shapes: |s| [width(s), vec![Shape::new(0.1 * ROUND, ROUND)]].concat(),
     columns: |s, p, k| {
-        let (half, round) = (0.5 * p[0], p[0] * p[1]);
-        let beyond = |x: f64| round * (x.max(0.0) + (-x.abs()).exp().ln_1p());
-        let felt = |x: &f64| beyond((x - half) / round) - beyond((-x - half) / round);
-        instead(&s.x, s.x.iter().map(felt), k.stiffness)
+        instead(
+            &s.x,
+            op::dead_zone(&s.x, [p[0], p[0] * p[1], 0.0]),
+            k.stiffness,
+        )
     },
     bounds: once,
     parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
@@ -235,7 +236,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::DeadBand,
         shapes: width,
-        columns: |s, p, k| instead(&s.x, op::dead_zone(&s.x, p[0]), k.stiffness),
+        columns: |s, p, k| instead(&s.x, op::dead_zone(&s.x, [p[0], 0.0, 0.0]), k.stiffness),
         bounds: once,
         parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
         ..BASIS

@@ -3,7 +3,7 @@
 //! It has harmonics, and it swells and wanders with what else hangs on the mains: what one line of one size leaves of it is
 //! taken for motion, and grows with the square of its frequency where a mass feels it.
 
-use super::{PROMINENT, between_bins, without_trend};
+use super::{PROMINENT, between_bins, quadratures, without_trend};
 use crate::numbers::linear::{dot, gram};
 use crate::record::recording::Recording;
 use crate::record::spectrum::line_hz;
@@ -36,12 +36,8 @@ pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
         return Vec::new();
     };
     let still = without_trend(&x[first..end]);
-    let stands = |[from, to]: [f64; 2]| {
-        let line = line_hz(&still, h, from, to);
-        line.filter(|(_, prominence)| *prominence >= PROMINENT)
-            .map(|(hz, _)| hz)
-    };
-    let Some(at_rest_hz) = stands(MAINS_HZ) else {
+    let line = line_hz(&still, h, MAINS_HZ[0], MAINS_HZ[1]);
+    let Some((at_rest_hz, _)) = line.filter(|(_, prominence)| *prominence >= PROMINENT) else {
         return Vec::new();
     };
     let bin_hz = 1.0 / (still.len() as f64 * h);
@@ -54,9 +50,32 @@ pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     );
     let harmonics = (1..=HARMONICS).map(|n| n as f64 * hz);
     let below = harmonics.filter(|hz| hz * h < 0.45);
-    below
-        .filter(|hz| stands([hz - NEAR_HZ, hz + NEAR_HZ]).is_some_and(|found| near(found, *hz)))
-        .collect()
+    below.filter(|hz| stands(&still, h, *hz)).collect()
+}
+
+/// Whether a line of a frequency that is known stands out of what is near it once it is taken off: beside a line between two bins of a
+/// short rest there is more of that line than of noise.
+fn stands(still: &[f64], interval_s: f64, line_hz: f64) -> bool {
+    let (c, s) = quadratures(still, interval_s, line_hz);
+    let wave = |i: usize| (TAU * line_hz * i as f64 * interval_s).sin_cos();
+    let left = still.iter().enumerate().map(|(i, x)| {
+        let (sin, cos) = wave(i);
+        x - c * cos - s * sin
+    });
+    let left: Vec<f64> = left.collect();
+    let bin_hz = 1.0 / (still.len() as f64 * interval_s);
+    let bins = (NEAR_HZ / bin_hz) as i32;
+    let mut near: Vec<f64> = (-bins..=bins)
+        .map(|k| line_hz + f64::from(k) * bin_hz)
+        .filter(|hz| *hz > 0.0 && hz * interval_s < 0.5)
+        .map(|hz| {
+            let (c, s) = quadratures(&left, interval_s, hz);
+            c * c + s * s
+        })
+        .collect();
+    near.sort_by(f64::total_cmp);
+    near.get(near.len() / 2)
+        .is_some_and(|median| c * c + s * s >= PROMINENT * median)
 }
 
 /// Lines taken off whose sizes and phases change slowly: each window's own, under Hann's windows that overlap by half and add
@@ -102,6 +121,39 @@ fn without(x: &[f64], interval_s: f64, lines_hz: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::numbers::signals::rms;
+
+    #[test]
+    fn a_harmonic_between_two_bins_of_a_short_rest_is_found_and_none_is_where_there_is_none() {
+        let (h, n) = (1e-3, 1550);
+        let record = |third: f64, seed: usize| {
+            let noise =
+                |i: usize| 9e-3 * (((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0);
+            let wave = |i: usize, k: f64| (TAU * 59.9 * k * i as f64 * h + k).sin();
+            let still = (0..n).map(|i| 0.25 * wave(i, 1.0) + third * wave(i, 3.0) + noise(i));
+            let moves = (0..6000).map(|i| (TAU * 0.7e-3 * i as f64).sin() * 20.0);
+            let x: Vec<f64> = still.chain(moves).collect();
+            Recording {
+                time_s: (0..x.len()).map(|i| i as f64 * h).collect(),
+                command_mm: Some(
+                    (0..x.len())
+                        .map(|i| if i < n { 0.0 } else { x[i] })
+                        .collect(),
+                ),
+                displacement_mm: Some(x),
+                ..Recording::default()
+            }
+        };
+        for seed in 0..20 {
+            let found = |third: f64| {
+                let record = record(third, seed);
+                lines_at_rest(record.displacement_mm.as_ref().unwrap(), &record)
+            };
+            let [alone, both] = [0.0, 0.08].map(found);
+            assert_eq!(alone.len(), 1, "{alone:?}");
+            assert_eq!(both.len(), 2, "{both:?}");
+            assert!((both[1] - 179.7).abs() < 0.65, "{both:?}");
+        }
+    }
 
     #[test]
     fn a_hum_that_swells_is_taken_off_and_the_motion_stays() {

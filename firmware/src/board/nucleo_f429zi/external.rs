@@ -226,7 +226,7 @@ impl Converters for External {
     }
 
     fn is_set_up(&mut self) -> bool {
-        self.dac.is_set_up()
+        self.adc.converts() && self.dac.is_set_up()
     }
 
     #[inline]

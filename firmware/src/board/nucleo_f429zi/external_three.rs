@@ -168,7 +168,7 @@ impl Converters<OUTPUTS> for ExternalThree {
     }
 
     fn is_set_up(&mut self) -> bool {
-        self.dac.is_set_up() && self.further_adc.is_set_up()
+        self.adc.converts() && self.dac.is_set_up() && self.further_adc.is_set_up()
     }
 
     #[inline]

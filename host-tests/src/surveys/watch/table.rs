@@ -32,7 +32,7 @@ pub struct Target {
     pub found: String,
     /// By how much the aim is missed; empty where it is reached.
     pub missed: String,
-    /// False where it is worse than on the page (docs/rig-watch.md) by more than chance makes it.
+    /// False where it is worse than on the page (docs/rig-watch-validation.md) by more than chance makes it.
     pub holds: bool,
 }
 
