@@ -6,8 +6,6 @@ use crate::record::spectrum::periodogram;
 /// Widths, in bins, over which a tone may wander, and how many times the running median its mean must be: chance makes
 /// one false alarm in some hundred records of noise.
 const WIDTHS: [(usize, f64); 4] = [(1, 26.0), (4, 9.5), (16, 4.2), (64, 2.6)];
-/// A tone wanders over this share of its frequency at most: over more it is the colour of noise, which a short rest shows in a few bins.
-const WANDERS: f64 = 0.25;
 /// Bins to either side that a running median is taken over, beside the width itself.
 const AROUND: usize = 60;
 /// Bins of the motion that are above this share of its largest are lines of its own.
@@ -63,13 +61,7 @@ pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
             .iter()
             .filter(|(width, _)| 8 * width < n)
             .filter_map(|&(width, most)| {
-                let slow = |k: &usize| WANDERS * (*k as f64) < width as f64;
-                let first = if width > 1 {
-                    places.partition_point(slow).saturating_sub(width / 2)
-                } else {
-                    0
-                };
-                let (at, times) = prominent(&power, width, first)?;
+                let (at, times) = prominent(&power, width)?;
                 (times > most).then_some((at, width, times / most))
             })
             .max_by(|a, b| a.2.total_cmp(&b.2));
@@ -100,6 +92,14 @@ pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
     found
 }
 
+/// A tone wanders over this share of its frequency at most.
+const WANDERS: f64 = 0.25;
+
+/// Whether a line is a tone: what is wider is the colour of noise, of which a rest of a second or two has but a few bins.
+pub fn is_tone(line: &Line) -> bool {
+    line.width_hz <= WANDERS * line.frequency_hz
+}
+
 /// Share of a line's rms that the signal itself must have there.
 const THERE: f64 = 0.5;
 
@@ -118,14 +118,14 @@ pub fn is_in(line: &Line, signal: &[f64], interval_s: f64) -> bool {
     (square * own / whole.max(f64::MIN_POSITIVE)).sqrt() >= THERE * line.rms
 }
 
-/// The place from `first` on where the mean over a width is most times the running median, and how many times.
-fn prominent(power: &[f64], width: usize, first: usize) -> Option<(usize, f64)> {
-    let mut sum: f64 = power.get(first..first + width)?.iter().sum();
+/// The place where the mean over a width is most times the running median, and how many times.
+fn prominent(power: &[f64], width: usize) -> Option<(usize, f64)> {
+    let mut sum: f64 = power[..width].iter().sum();
     let mut best: Option<(usize, f64)> = None;
     let mut median = f64::MIN_POSITIVE;
-    for at in first..power.len() - width {
+    for at in 0..power.len() - width {
         // The median moves slowly.
-        if (at - first) % (AROUND / 4) == 0 {
+        if at % (AROUND / 4) == 0 {
             median = running_median(power, at, width).max(f64::MIN_POSITIVE);
         }
         let times = sum / width as f64 / median;
@@ -194,7 +194,7 @@ mod tests {
             }
             rest.drain(..1000);
             let still = vec![0.0; n];
-            alarms += usize::from(!lines(&rest, &still, h).is_empty());
+            alarms += usize::from(lines(&rest, &still, h).iter().any(is_tone));
             let ripple = |i: usize| {
                 let t = i as f64 * h;
                 2.0 * (TAU * 62.0 * t + 0.03 * 62.0 / 0.9 * (TAU * 0.9 * t).sin()).sin()
@@ -205,7 +205,8 @@ mod tests {
                 .map(|(i, r)| r + ripple(i))
                 .collect();
             let found = lines(&with, &still, h);
-            let near = found.iter().any(|l| (l.frequency_hz - 62.0).abs() < 3.0);
+            let mut tones = found.iter().filter(|l| is_tone(l));
+            let near = tones.any(|l| (l.frequency_hz - 62.0).abs() < 3.0);
             assert!(near, "{seed}: {found:?}");
         }
         assert!(alarms <= 3, "{alarms} of 60 rests of noise");
