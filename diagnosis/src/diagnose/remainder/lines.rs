@@ -137,7 +137,7 @@ fn prominent(power: &[f64], width: usize, first: usize) -> Option<(usize, f64)> 
     let mut median = f64::MIN_POSITIVE;
     for at in first..power.len() - width {
         // The median moves slowly.
-        if (at - first) % (AROUND / 4) == 0 {
+        if (at - first).is_multiple_of(AROUND / 4) {
             median = running_median(power, at, width).max(f64::MIN_POSITIVE);
         }
         let times = sum / width as f64 / median;
