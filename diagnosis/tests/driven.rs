@@ -264,12 +264,12 @@ fn figure(a: &ChannelAnswer, name: &str) -> f64 {
     all.find(|p| p.name == name).unwrap().value
 }
 
-/// What is found by one name and leaves no more than so many times the noise, and what the saved model leaves.
-fn found_and_saved(name: Effect, noises: f64, reads: impl Fn(f64) -> f64 + Copy) -> ChannelAnswer {
+/// What is found, by one name and to the noise, and what the saved model leaves.
+fn found_and_saved(name: Effect, reads: impl Fn(f64) -> f64 + Copy) -> ChannelAnswer {
     let make = |seed| record(seed, 10.0, plain, reads);
     let (a, improved) = asked(make);
     assert_eq!(named(&a), [name], "{:?}", a.notes);
-    assert!(a.error_after.test_rms < noises * a.noise_floor_rms);
+    assert!(a.error_after.test_rms < 1.2 * a.noise_floor_rms);
     let again = diagnose(&improved, &[make(1)], &[make(2)], &[]).unwrap();
     let left = again.channels[0].error_before.test_rms;
     assert!(left < 1.1 * a.error_after.test_rms, "{left}");
@@ -278,20 +278,10 @@ fn found_and_saved(name: Effect, noises: f64, reads: impl Fn(f64) -> f64 + Copy)
 
 #[test]
 fn a_dead_band_whose_middle_is_not_zero_is_found_to_the_noise_and_saved() {
-    let a = found_and_saved(Effect::DeadBand, 1.2, |x| {
+    let a = found_and_saved(Effect::DeadBand, |x: f64| {
         let from = x - 0.3;
         0.3 + from - from.clamp(-0.5, 0.5)
     });
     let width = figure(&a, "width_mm");
     assert!((width - 1.0).abs() < 0.02, "{width}");
-}
-
-#[test]
-fn stops_that_give_are_a_saturation_and_stay_in_the_model() {
-    // An exponential gives way over 0.4 mm where the piston comes to 11 mm.
-    let stop = |x: f64| -0.4 * ((-(x - 11.0) / 0.4).exp().ln_1p() - (11.0 / 0.4_f64).exp().ln_1p());
-    let soft = move |x: f64| if x > 0.0 { stop(x) } else { -stop(-x) };
-    let a = found_and_saved(Effect::Saturation, 1.6, soft);
-    let limit = figure(&a, "limit_mm");
-    assert!((limit - 11.0).abs() < 0.3, "{limit}");
 }

@@ -3,7 +3,9 @@
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::diagnose::expected_error::next_error;
-use crate::diagnose::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
+use crate::diagnose::remainder::{
+    Moves, anatomy, clock, correction, is_in, lines, rms_with, tones,
+};
 use crate::model::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::numbers::coherence::linear_share;
 use crate::numbers::signals::{difference, mean, rms};
@@ -28,7 +30,7 @@ fn lines_at_rest(r: &Recording, rest: &[f64], measured: &[f64]) -> Option<(f64, 
     };
     let still = about_mean(rest.get(part.clone())?);
     let read = about_mean(measured.get(part)?);
-    let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
+    let mut found = tones(&still, r.interval_s());
     found.retain(|l| is_in(l, &read, r.interval_s()));
     found.iter_mut().for_each(|l| l.at_rest = true);
     Some((rms(&[still]), found))

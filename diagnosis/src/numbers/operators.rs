@@ -37,11 +37,6 @@ pub fn dead_zone(x: &[f64], [width, round, middle]: [f64; 3]) -> impl Iterator<I
     x.iter().map(passes)
 }
 
-/// Stops at `low` and `high`, whose corners are round over `round` to either side.
-pub fn stopped(x: f64, [low, high]: [f64; 2], round: f64) -> f64 {
-    x - beyond(x - high, round) + beyond(low - x, round)
-}
-
 /// How far beyond zero, by a corner that a parabola rounds over `round` to either side.
 fn beyond(x: f64, round: f64) -> f64 {
     if x.abs() < round {
@@ -177,10 +172,6 @@ mod tests {
             assert!((sharp[i] - exact).abs() < 1e-12, "{x}");
             let near = ((x - 0.5).abs() - 1.0).abs() < 0.3;
             assert!(near || (round[i] - exact).abs() < 1e-12, "{x}");
-            let stops = [0.0, 0.3].map(|r| stopped(*x, [-1.0, 2.0], r));
-            assert_eq!(stops[0], x.clamp(-1.0, 2.0));
-            let near = (x + 1.0).abs() < 0.3 || (x - 2.0).abs() < 0.3;
-            assert!(near || (stops[1] - stops[0]).abs() < 1e-12, "{x}");
         }
         let slopes = round.windows(2).map(|y| (y[1] - y[0]) / 0.01);
         let slopes: Vec<f64> = slopes.collect();

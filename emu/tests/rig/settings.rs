@@ -4,7 +4,7 @@ use crate::desk::{Bench, Desk, codes, config, image};
 use emu::{Firmware, InjectedFault, PlannedFault};
 use firmware::station::{FlashRecord, Wiring};
 use link::Calibration;
-use link::command::Command;
+use link::command::{BoardTest, Command};
 use link::reply::{Obstacle, Reply};
 use link::status::Timing;
 use outerloop_core::{Config, Event, Mode};
@@ -20,7 +20,7 @@ const AT_1_KHZ: u32 = 168_000;
 const AT_2_KHZ: u32 = 84_000;
 
 fn saved(sequence: u32, config: Config) -> Vec<u8> {
-    config.encode(sequence).unwrap().to_vec()
+    BoardTest::from(config).encode(sequence).unwrap().to_vec()
 }
 
 fn at_1_khz() -> Config {

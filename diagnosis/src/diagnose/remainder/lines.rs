@@ -6,8 +6,6 @@ use crate::record::spectrum::periodogram;
 /// Widths, in bins, over which a tone may wander, and how many times the running median its mean must be: chance makes
 /// one false alarm in some hundred records of noise.
 const WIDTHS: [(usize, f64); 4] = [(1, 26.0), (4, 9.5), (16, 4.2), (64, 2.6)];
-/// A tone wanders over this share of its frequency at most: over more it is the colour of noise, which a short rest shows in a few bins.
-const WANDERS: f64 = 0.25;
 /// Bins to either side that a running median is taken over, beside the width itself.
 const AROUND: usize = 60;
 /// Bins of the motion that are above this share of its largest are lines of its own.
@@ -46,8 +44,22 @@ fn struck(motion: &[f64]) -> Vec<bool> {
     out
 }
 
+/// A tone wanders over this share of its frequency at most.
+const WANDERS: f64 = 0.25;
+
+/// Lines of a standstill that are tones, strongest first: what is wider is the colour of noise, of which a second or two have but a few
+/// bins.
+pub fn tones(still: &[f64], interval_s: f64) -> Vec<Line> {
+    found(still, &vec![0.0; still.len()], interval_s, WANDERS)
+}
+
 /// Lines of a rest that are not the motion's, strongest first.
 pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
+    found(rest, motion, interval_s, f64::INFINITY)
+}
+
+/// The same of lines that wander over no more than a share of their frequency.
+fn found(rest: &[f64], motion: &[f64], interval_s: f64, wanders: f64) -> Vec<Line> {
     let struck = struck(motion);
     // What is left behind the motion's own bins, one after the other, with the place that each came from.
     let all = periodogram(rest);
@@ -63,9 +75,9 @@ pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
             .iter()
             .filter(|(width, _)| 8 * width < n)
             .filter_map(|&(width, most)| {
-                let slow = |k: &usize| WANDERS * (*k as f64) < width as f64;
+                let too_low = |k: &usize| wanders * (*k as f64) < width as f64;
                 let first = if width > 1 {
-                    places.partition_point(slow).saturating_sub(width / 2)
+                    places.partition_point(too_low).saturating_sub(width / 2)
                 } else {
                     0
                 };
@@ -125,7 +137,7 @@ fn prominent(power: &[f64], width: usize, first: usize) -> Option<(usize, f64)> 
     let mut median = f64::MIN_POSITIVE;
     for at in first..power.len() - width {
         // The median moves slowly.
-        if (at - first) % (AROUND / 4) == 0 {
+        if (at - first).is_multiple_of(AROUND / 4) {
             median = running_median(power, at, width).max(f64::MIN_POSITIVE);
         }
         let times = sum / width as f64 / median;
@@ -193,8 +205,7 @@ mod tests {
                 rest.push(0.9 * (1.0 - keep * keep).sqrt() * low + next());
             }
             rest.drain(..1000);
-            let still = vec![0.0; n];
-            alarms += usize::from(!lines(&rest, &still, h).is_empty());
+            alarms += usize::from(!tones(&rest, h).is_empty());
             let ripple = |i: usize| {
                 let t = i as f64 * h;
                 2.0 * (TAU * 62.0 * t + 0.03 * 62.0 / 0.9 * (TAU * 0.9 * t).sin()).sin()
@@ -204,7 +215,7 @@ mod tests {
                 .enumerate()
                 .map(|(i, r)| r + ripple(i))
                 .collect();
-            let found = lines(&with, &still, h);
+            let found = tones(&with, h);
             let near = found.iter().any(|l| (l.frequency_hz - 62.0).abs() < 3.0);
             assert!(near, "{seed}: {found:?}");
         }

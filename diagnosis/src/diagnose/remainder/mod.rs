@@ -7,7 +7,7 @@ mod lines;
 
 pub use clock::clock;
 pub use columns::Moves;
-pub use lines::{is_in, lines};
+pub use lines::{is_in, lines, tones};
 
 use crate::model::Model;
 use crate::model::answer::{Correction, DependsOn, Range, Remainder, Share};

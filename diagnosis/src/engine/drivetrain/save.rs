@@ -107,21 +107,13 @@ impl ActuatorData<'_> {
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
                 PartKind::Play => vec![("width_mm", width)],
                 // Behind gain and offset, as a model file has them.
-                PartKind::DeadBand => vec![
-                    ("width_mm", width),
-                    ("round_mm", b * gain.abs()),
-                    ("middle_mm", c * gain + offset),
-                ],
-                PartKind::Stops | PartKind::SoftStops => {
-                    let mut all = vec![
-                        ("lower_mm", a * gain + offset),
-                        ("upper_mm", b * gain + offset),
-                    ];
-                    if part.kind == PartKind::SoftStops {
-                        all.push(("round_mm", c * gain.abs()));
-                    }
-                    all
+                PartKind::DeadBand => {
+                    vec![("width_mm", width), ("middle_mm", b * gain + offset)]
                 }
+                PartKind::Stops => vec![
+                    ("lower_mm", a * gain + offset),
+                    ("upper_mm", b * gain + offset),
+                ],
                 PartKind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
                 PartKind::Seal => vec![
                     ("oil_bend_mm", a),
@@ -164,21 +156,16 @@ fn part_figures(
         PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
         PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
         PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
-        PartKind::Play => vec![("width_mm", "mm", a * gain, sa * gain)],
-        PartKind::DeadBand => {
-            let mut all = vec![("width_mm", "mm", a * gain, sa * gain)];
-            all.extend((b > 0.0).then_some(("round_mm", "mm", b * gain, sb * gain)));
-            all
+        PartKind::Play | PartKind::DeadBand => {
+            vec![("width_mm", "mm", a * gain, sa * gain)]
         }
-        PartKind::Stops | PartKind::SoftStops => {
+        PartKind::Stops => {
             let nearest = if a.abs() < b.abs() {
                 (a.abs(), sa)
             } else {
                 (b.abs(), sb)
             };
-            let mut all = vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)];
-            all.extend((c > 0.0).then_some(("round_mm", "mm", c * gain, sc * gain)));
-            all
+            vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
         }
         PartKind::Friction => vec![
             ("error_mm", "mm", strength, ss),

@@ -21,12 +21,10 @@ pub enum PartKind {
     RateLimit,
     /// Play behind the drive: its width, mm.
     Play,
-    /// No answer to commands within a band: its width, what its corners are round over to either side, and its middle, mm.
+    /// No answer to commands within a band: its width and its middle, mm.
     DeadBand,
     /// Stops of the displacement: the lower and the upper, mm.
     Stops,
-    /// The same that give: what their corners are round over to either side, mm.
-    SoftStops,
     /// Dry friction in the drive that gives elastically over so many mm; its strength is an amplitude.
     Friction,
     /// Friction of the piston's seals against the spring of the oil, inside the position loop: how far it bends the oil
@@ -64,7 +62,7 @@ pub struct ActuatorScales {
 
 impl PartKind {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 17] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
@@ -75,7 +73,6 @@ impl PartKind {
         Self::Play,
         Self::DeadBand,
         Self::Stops,
-        Self::SoftStops,
         Self::Friction,
         Self::Seal,
         Self::StickySeal,
@@ -94,7 +91,7 @@ impl PartKind {
             Self::Overlap | Self::DeadBand => Effect::DeadBand,
             Self::FlowLimit | Self::RateLimit => Effect::RateLimit,
             Self::Play => Effect::Backlash,
-            Self::Stops | Self::SoftStops => Effect::Saturation,
+            Self::Stops => Effect::Saturation,
             Self::Friction | Self::Seal => Effect::CoulombFriction,
             Self::StickySeal => Effect::StribeckFriction,
             Self::Compliance => Effect::RigCompliance,
@@ -121,7 +118,7 @@ impl PartKind {
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => 3,
             Self::SecondLag | Self::OilColumn => 4,
             Self::Drift | Self::GainDrift => 5,
-            Self::Stops | Self::SoftStops => 6,
+            Self::Stops => 6,
             Self::Compliance => 7,
         };
         // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
@@ -166,7 +163,7 @@ impl PartKind {
         match self {
             Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 3.7,
             Self::StickySeal => 4.5,
-            Self::DeadBand | Self::SoftStops => 3.4,
+            Self::DeadBand => 3.3,
             _ => 3.0,
         }
     }
@@ -191,27 +188,15 @@ impl PartKind {
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
             // The reading's own size is what they leave of the motion: they may be wider than that.
-            Self::Play => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
-            // From a corner that is a little round both a sharp one and a rounder one are near.
-            Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10)
-                .into_iter()
-                .map(|f| shapes([f[0], 0.05 * f[0]]))
-                .collect(),
-            Self::Stops | Self::SoftStops => {
-                let round = if self == Self::Stops {
-                    0.0
-                } else {
-                    0.05 * s.x_mm
-                };
+            Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
+            Self::Stops => {
                 let [low, high] = s.ends_mm;
                 let (open, inside) = (10.0 * s.x_mm, 0.02 * s.x_mm);
-                [
-                    [low + inside, high - inside],
-                    [low - open, high - inside],
-                    [low + inside, high + open],
+                vec![
+                    shapes([low + inside, high - inside]),
+                    shapes([low - open, high - inside]),
+                    shapes([low + inside, high + open]),
                 ]
-                .map(|[low, high]| shapes([low, high, round]))
-                .to_vec()
             }
             Self::Friction => spread(0.002 * s.x_mm, 0.1 * s.x_mm, 5),
             Self::Seal => spread(0.006 * s.x_mm, 0.1 * s.x_mm, 4)
@@ -232,8 +217,7 @@ impl PartKind {
     /// How many of the shapes there are.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::OilColumn | Self::Stops | Self::Seal => 2,
-            Self::DeadBand | Self::SoftStops => 3,
+            Self::OilColumn | Self::DeadBand | Self::Stops | Self::Seal => 2,
             Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
             _ => 1,
@@ -251,12 +235,9 @@ impl PartKind {
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
             (Self::FlowLimit, _) => [0.05 * s.opening_mm, 2.0 * s.opening_mm],
             (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
-            (Self::DeadBand, 1) | (Self::SoftStops, 2) => [0.0, 0.5 * s.x_mm],
-            (Self::DeadBand, 2) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
+            (Self::DeadBand, 1) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
-            (Self::Stops | Self::SoftStops, _) => {
-                [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm]
-            }
+            (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
             (Self::Friction, _) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
             (Self::Seal | Self::StickySeal, 0) => [0.0, 0.3 * s.x_mm],
             (Self::Seal | Self::StickySeal, 1) => [3e-4 * s.x_mm, 0.05 * s.x_mm],

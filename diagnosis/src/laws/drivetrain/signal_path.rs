@@ -1,7 +1,7 @@
 //! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
 use super::part::{Part, PartKind};
-use crate::numbers::operators::{dead_zone, play, slider, stopped};
+use crate::numbers::operators::{dead_zone, play, slider};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
 /// A record as the search sees it; what comes before its first judged sample only sets the state.
@@ -55,18 +55,16 @@ impl SignalPath {
         for part in &self.parts {
             match part.kind {
                 PartKind::DeadBand => {
-                    let [width, round, middle, _] = part.shapes;
-                    y = dead_zone(&y, [width, round, middle]).collect();
+                    let [width, middle, ..] = part.shapes;
+                    y = dead_zone(&y, [width, 0.0, middle]).collect();
                 }
                 PartKind::Play => y = play(&y, part.shapes[0]),
                 _ => {}
             }
         }
-        let is_stop = |p: &&Part| matches!(p.kind, PartKind::Stops | PartKind::SoftStops);
-        for part in self.parts.iter().filter(is_stop) {
-            let [low, high, round, _] = part.shapes;
-            y.iter_mut()
-                .for_each(|y| *y = stopped(*y, [low, high], round));
+        for part in self.parts.iter().filter(|p| p.kind == PartKind::Stops) {
+            let [low, high, ..] = part.shapes;
+            y.iter_mut().for_each(|y| *y = y.min(high).max(low));
         }
         let own = |part: &Part| -> Option<Vec<f64>> {
             let a = part.shapes[0];

@@ -155,22 +155,16 @@ pub const FORMS: &[Known] = &[
         stage: Some(|y, p, k| through_valve(y, k, PartKind::RateLimit, shapes([p[0]]))),
         ..STAGE
     },
-    // Stops: the lower and the upper, and what they are round over, mm.
+    // Stops: the lower and the upper, mm.
     Known {
         effect: Effect::Saturation,
-        stage: Some(|y, p, _| stops(y, [p[0], p[1]], p[2])),
+        stage: Some(|y, p, _| y.iter().map(|y| y.min(p[1]).max(p[0])).collect()),
         ..STAGE
     },
-    // The same with sharp corners.
-    Known {
-        effect: Effect::Saturation,
-        stage: Some(|y, p, _| stops(y, [p[0], p[1]], 0.0)),
-        ..STAGE
-    },
-    // A dead band: its width, what its corners are round over, and its middle, mm.
+    // A dead band: its width and its middle, mm.
     Known {
         effect: Effect::DeadBand,
-        stage: Some(|y, p, _| op::dead_zone(y, [p[0], p[1], p[2]]).collect()),
+        stage: Some(|y, p, _| op::dead_zone(y, [p[0], 0.0, p[1]]).collect()),
         ..STAGE
     },
     // Friction of seals against the spring of the oil: what it bends it by and the seals' give, mm, and the lag behind it, s.
@@ -188,11 +182,6 @@ pub const FORMS: &[Known] = &[
         ..STAGE
     },
 ];
-
-/// A displacement between stops.
-fn stops(y: &[f64], ends: [f64; 2], round: f64) -> Vec<f64> {
-    y.iter().map(|y| op::stopped(*y, ends, round)).collect()
-}
 
 /// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
 fn through_valve(y: &[f64], k: &Scales, kind: PartKind, shapes: Shapes) -> Vec<f64> {
