@@ -5,10 +5,10 @@ use experiment::failure::Failure;
 use firmware::sim::CODES;
 use firmware::station::{Flash, Ring, TEST_BYTES};
 use host_tests::loopback::{FaultInjection, Loopback};
+use link::command::BoardTest;
 use link::status::StartCause;
 use outerloop_cli::board::desk::{self, DeskRow, Leaves, Mishap, RowVerdict};
 use outerloop_cli::board::{BoardConnection, Connection, Port, Timeouts, status};
-use outerloop_core::Config;
 use std::cell::RefCell;
 use std::pin::pin;
 use std::rc::Rc;
@@ -77,7 +77,7 @@ impl Flash for Sectors {
 /// What the simulated board has not: a flash.
 struct Chip {
     flash: Sectors,
-    kept: Config,
+    kept: BoardTest,
     /// An erasure holds the control step that follows up by so many cycles.
     held_up_cycles: u32,
 }
@@ -122,7 +122,7 @@ fn saves(held_up_cycles: u32) -> (DeskRow, u32) {
     };
     let chip = Rc::new(RefCell::new(Chip {
         flash,
-        kept: test.config.clone(),
+        kept: test.config.clone().into(),
         held_up_cycles,
     }));
     let mut loopback = loopback(&test);
