@@ -78,8 +78,8 @@ pub fn methods() -> Vec<Method> {
     Method::ALL.into_iter().chain(pairs).collect()
 }
 
-/// Saves, after which a sector of 128 KiB with slots of 1 KiB has been full once.
-const SAVES: u32 = 130;
+/// Saves, after which a sector of 128 KiB with slots of 2 KiB has been full once.
+const SAVES: u32 = 66;
 
 /// A board that says nothing of a reset for so many steps has not been reset: half a minute, for a person to find the button.
 const RESET_STEPS: u32 = 60_000;

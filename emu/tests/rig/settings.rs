@@ -11,8 +11,8 @@ use outerloop_core::{Config, Event, Mode};
 
 /// Where tests and calibrations are, rows of slots.
 const TESTS: u64 = 0x081c_0000;
-const TEST_SLOT: u64 = 1024;
-const SLOTS: u32 = 128;
+const TEST_SLOT: u64 = 2048;
+const SLOTS: u32 = 64;
 const CALIBRATIONS: u64 = 0x0810_0000;
 
 /// Cycles of a period at 1 and at 2 kHz.

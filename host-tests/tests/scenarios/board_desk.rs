@@ -44,7 +44,7 @@ const SECTOR: u32 = 128 * 1024;
 const TESTS: Ring<TEST_BYTES> = Ring {
     sectors: [0, SECTOR],
     sector_bytes: SECTOR,
-    slot_bytes: 1024,
+    slot_bytes: 2048,
 };
 
 /// Flash in memory, and how often a sector of it was erased.

@@ -32,9 +32,9 @@ const CALIBRATIONS: [Ring<CALIBRATION_BYTES>; MAX_ACTUATORS] = [
 const TESTS: Ring<TEST_BYTES> = Ring {
     sectors: [0x1c_0000, 0x1e_0000],
     sector_bytes: 128 * 1024,
-    slot_bytes: 1024,
+    slot_bytes: 2048,
 };
-const _: () = assert!(TEST_BYTES <= 1024 && CALIBRATION_BYTES <= 64);
+const _: () = assert!(TEST_BYTES <= 2048 && CALIBRATION_BYTES <= 64);
 
 /// The flash, to be read.
 pub struct Memory;
