@@ -7,7 +7,7 @@
 
 use crate::orders::OperatorOrder;
 use crate::provenance::{Provenance, hash};
-use crate::verb::rig_arguments::RigKind;
+use crate::site::RigKind;
 use experiment::compensation::Compensation;
 use experiment::coupled::part::CoupledPart;
 use experiment::failure::Failure;

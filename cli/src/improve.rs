@@ -1,10 +1,11 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
+use crate::board::Trajectory;
+use crate::site::TestSite;
 use crate::terminal::progress::Progress;
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, Refitted, RigLimits, Verdict};
 use experiment::Experiment;
 use experiment::bench::Played;
-use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::measured::in_mm_of;
 use experiment::files::signal::SignalPoints;
@@ -13,7 +14,7 @@ use experiment::judged::JudgedRun;
 use experiment::numbers::percent;
 use experiment::rig::{declared, improvement};
 use experiment::summary::{self, GOOD_EPS_RMS};
-use experiment::trace::{Response, TestObserver, Trace};
+use experiment::trace::{Response, Trace};
 use outerloop_core::Config;
 use outerloop_core::config::Filter;
 use plant::Channel;
@@ -48,29 +49,6 @@ impl ImprovementOutcome {
             Self::Worse => "worse",
         }
     }
-}
-
-/// Where the tests of a story run, one after the other.
-pub trait TestSite {
-    /// Runs a test; see [`Experiment::run`].
-    ///
-    /// # Errors
-    /// Those of the test, and a rig or board that is not there.
-    fn run(
-        &self,
-        experiment: &Experiment,
-        compensation: impl Into<Compensation>,
-        ideal: &Response,
-        seed: u64,
-        keep: bool,
-        observer: impl TestObserver,
-    ) -> Result<JudgedRun, Failure>;
-
-    /// Moves the actuator of the same rig by a signal.
-    ///
-    /// # Errors
-    /// A signal beyond a limit of the test, and a rig or board that is not there.
-    fn play(&self, test: &TestFile, signal: &SignalPoints, seed: u64) -> Result<Played, Failure>;
 }
 
 /// The first test, on the rig as it is: it is there whatever becomes of the rest.
@@ -283,7 +261,12 @@ fn closing_tests(
             break;
         };
         let signal = SignalPoints::of(&next)?;
-        let played = site.play(test, &signal, seed + 1 + designed.len() as u64)?;
+        let played = site.play(
+            test,
+            &Trajectory::Points(signal),
+            seed + 1 + designed.len() as u64,
+            &mut (),
+        )?;
         if let Some(why) = &played.early {
             changes.push(format!(
                 "a designed test is left out: it ended early, {why}"

@@ -16,6 +16,7 @@
 //! | [`program`] | the command line, and what the program returns |
 //! | `provenance` | who ran what, when, with which files |
 //! | `wording` | what a diagnosis says, in sentences |
+//! | [`site`] | where a test runs: simulated, on a board, on an emulated one |
 //! | [`serve`] | the rig as an element of a finite-element model |
 //! | `scope` | a picture in the browser while a test runs |
 //!
@@ -52,6 +53,7 @@ pub mod program;
 mod provenance;
 mod scope;
 pub mod serve;
+pub mod site;
 pub mod terminal;
 pub mod verb;
 mod wording;

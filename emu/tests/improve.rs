@@ -6,14 +6,16 @@ use experiment::bench::Played;
 use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
-use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
 use experiment::trace::{Response, TestObserver, Trace};
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, Trajectory, calibrate};
-use outerloop_cli::improve::{FirstTest, Improvement, ImprovementOutcome, TestSite};
+use outerloop_cli::board::{
+    BoardBench, BoardConnection, Connection, Operator, Port, Timeouts, Trajectory, calibrate,
+};
+use outerloop_cli::improve::{FirstTest, Improvement, ImprovementOutcome};
+use outerloop_cli::site::{ConnectedBoard, RigKind, TestSite};
 use outerloop_cli::terminal::Progress;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -46,7 +48,7 @@ force_noise_n = 5
 /// An emulated board behind the rig of the first test, which it keeps.
 #[derive(Default)]
 struct Boards {
-    first: RefCell<Option<(RigSpec, BoardBench<Emulated>)>>,
+    first: RefCell<Option<(RigSpec, BoardBench<Box<dyn Port>>)>>,
     /// Tests on another rig, on another board.
     others: Cell<usize>,
 }
@@ -69,14 +71,19 @@ fn board(
     experiment: &Experiment,
     ideal: &Response,
     seed: u64,
-) -> Result<BoardBench<Emulated>, Failure> {
-    let laboratory = EmulatedRig::of(&experiment.test, seed);
+) -> Result<BoardBench<Box<dyn Port>>, Failure> {
+    let plan = PlannedMotion::of(experiment, ideal);
+    let connection = connection(&experiment.test, seed)?;
+    Ok(BoardBench::new(connection, plan, Operator::not_asked()))
+}
+
+fn connection(test: &TestFile, seed: u64) -> Result<BoardConnection, Failure> {
+    let laboratory = EmulatedRig::of(test, seed);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
-    let port = Emulated::with(emulator, &laboratory)?;
+    let port: Box<dyn Port> = Box::new(Emulated::with(emulator, &laboratory)?);
     let mut connection = Connection::new(port, Timeouts::BOARD);
     calibrate(&mut connection, laboratory.calibration)?;
-    let plan = PlannedMotion::of(experiment, ideal);
-    Ok(BoardBench::new(connection, plan, Operator::not_asked()))
+    Ok(connection)
 }
 
 /// The same test on the rig without the effect, on a board of its own.
@@ -109,6 +116,19 @@ fn reference(
 }
 
 impl TestSite for Boards {
+    fn kind(&self) -> RigKind {
+        RigKind::Emulated
+    }
+
+    fn connect(
+        &self,
+        test: &TestFile,
+        _: &PlannedMotion,
+        seed: u64,
+    ) -> Result<Option<ConnectedBoard>, Failure> {
+        Ok(Some((connection(test, seed)?, Operator::not_asked())))
+    }
+
     fn run(
         &self,
         experiment: &Experiment,
@@ -132,11 +152,17 @@ impl TestSite for Boards {
         experiment.run_on(bench, compensation, ideal, keep, observer)
     }
 
-    fn play(&self, test: &TestFile, signal: &SignalPoints, _: u64) -> Result<Played, Failure> {
+    fn play(
+        &self,
+        test: &TestFile,
+        trajectory: &Trajectory,
+        _: u64,
+        observer: &mut dyn TestObserver,
+    ) -> Result<Played, Failure> {
         let first = self.first.borrow();
         let own = first.as_ref().filter(|(rig, _)| *rig == test.plant);
         let (_, bench) = own.expect("a test runs before a signal");
-        bench.play(test, &Trajectory::Points(signal.clone()), &mut ())
+        bench.play(test, trajectory, observer)
     }
 }
 

@@ -7,7 +7,7 @@ use experiment::files::test::TestFile;
 use fuzz::{begin_with, file_of};
 use libfuzzer_sys::fuzz_target;
 use outerloop_cli::archive::{FinishedTest, load, to_bytes};
-use outerloop_cli::verb::rig_arguments::RigKind;
+use outerloop_cli::site::RigKind;
 use std::path::Path;
 
 fuzz_target!(

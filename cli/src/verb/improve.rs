@@ -1,11 +1,12 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
-use super::rig_arguments::{RigArguments, RigKind};
+use super::rig_arguments::RigArguments;
 use super::{CommonArguments, hand_over_tests, json, require_all_ran};
 use crate::answer::of_improvements;
 use crate::designed_test;
 use crate::improve::{DESIGNED, FirstTest, Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
+use crate::site::{RigKind, TestSite};
 use crate::terminal::{Progress, interrupt};
 use diagnosis::{Diagnosis, Model};
 use experiment::failure::Failure;

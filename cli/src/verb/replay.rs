@@ -1,10 +1,10 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
-use super::rig_arguments::{RigArguments, RigKind};
+use super::rig_arguments::RigArguments;
 use crate::archive;
-use crate::improve::TestSite;
 use crate::orders::OrderReplay;
 use crate::provenance::{self, WithProvenance};
+use crate::site::{RigKind, TestSite};
 use crate::terminal::Progress;
 use experiment::failure::Failure;
 use experiment::files::channels;

@@ -1,14 +1,14 @@
 //! `outerloop run`: one closed-loop test.
 
-use super::rig_arguments::{RigArguments, RigKind};
+use super::rig_arguments::RigArguments;
 use super::{CommonArguments, MethodName, json, look_at_page};
 use crate::answer::of_run;
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
-use crate::improve::TestSite;
 use crate::orders::{OperatorOrder, OrderRecorder};
 use crate::provenance::WithProvenance;
 use crate::scope::Scoped;
+use crate::site::{RigKind, TestSite};
 use crate::terminal::interrupt::{self, StopBySignal};
 use crate::terminal::{self, Progress};
 use diagnosis::ForceUnit;
@@ -172,12 +172,9 @@ impl Run {
         let trajectory = Trajectory::Points(signal);
         let seed = self.common.seed;
         let played = terminal::while_waiting("playing the signal", || {
-            self.place.watched(self.scope.is_wanted()).play_trajectory(
-                test,
-                &trajectory,
-                seed,
-                &mut observer,
-            )
+            self.place
+                .watched(self.scope.is_wanted())
+                .play(test, &trajectory, seed, &mut observer)
         })?;
         let played_signal = PlayedSignal {
             signal: path,

@@ -1,15 +1,15 @@
 //! `outerloop serve`: the rig as an element of somebody else's model.
 
 use super::json;
-use super::rig_arguments::{RigArguments, RigKind};
+use super::rig_arguments::RigArguments;
 use crate::answer::{SessionSection, of_served};
-use crate::board::limits::PlannedMotion;
 use crate::provenance::WithProvenance;
 use crate::scope::Scoped;
 use crate::serve::{
     DeclaredElement, Mover, SessionSummary, SessionVerdict, WaitingRoom, serve_client,
-    serve_on_board, simulated, wire::first_message_s,
+    wire::first_message_s,
 };
+use crate::site::TestSite;
 use crate::terminal::interrupt;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
@@ -73,16 +73,7 @@ impl Serve {
         let rate_hz = test.config.timing.rate_hz;
         let scope = self.scope.open(&title, rate_hz, false)?;
         let keep = out.is_some();
-        let connected = self
-            .place
-            .connect(&test, &PlannedMotion::of_served(&test), self.seed)?;
-        let mut rig = match connected {
-            None => simulated(&test, self.seed, keep, scope)?,
-            Some((connection, operator)) => {
-                let real = self.place.kind() == RigKind::Board;
-                serve_on_board(&test, connection, operator, real, keep, scope)?
-            }
-        };
+        let mut rig = self.place.serve(&test, self.seed, keep, scope)?;
         let listener = TcpListener::bind(self.listen).map_err(|e| {
             Failure::input(format!(
                 "--listen {}: cannot be listened at ({}): accepted is an address of this machine with a free port",

@@ -82,9 +82,15 @@ pub fn figures(
 
 /// What a law by itself is told by; its strength first.
 fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
-    let [p, q, r, s] = element.shape;
-    let reference = ("reference_mm", "mm", fit.sizes.x);
+    let [p, q, _, _] = element.shape;
     match element.law {
+        Law::PowerOfPlace
+        | Law::Away
+        | Law::Square
+        | Law::Beyond
+        | Law::Fatigued
+        | Law::Lessened
+        | Law::Lost => of_place(element, strength, fit.sizes.x),
         Law::Relaxing => vec![
             ("stiffness_n_per_mm", "N/mm", strength),
             ("relaxation_ms", "ms", 1e3 * p),
@@ -96,6 +102,39 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
         ],
         Law::Saturating => vec![("force_n", "N", strength), (KNEE, "mm/s", p)],
         Law::SizeOfSpeed => vec![("damping_difference_n_s_per_mm", "N s/mm", 2.0 * strength)],
+        Law::SlippingJoint => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("gap_mm", "mm", q),
+            ("slip_n", "N", strength * p),
+        ],
+        Law::Recentring => vec![
+            ("stiffness_n_per_mm", "N/mm", strength),
+            ("yield_mm", "mm", p),
+            ("back_at_mm", "mm", q * p),
+        ],
+        Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
+        Law::Warming => vec![
+            ("stiffness_change_n_per_mm", "N/mm", strength),
+            ("time_constant_s", "s", p),
+        ],
+        Law::Slider
+        | Law::Bristles
+        | Law::Stribeck
+        | Law::BoucWen
+        | Law::Distributed
+        | Law::InSeries
+        | Law::SliderAway
+        | Law::SliderAlong
+        | Law::Worn
+        | Law::Pinched => yields(&[(*element, strength)], element, fit),
+    }
+}
+
+/// The same of springs that are another elsewhere, or were another before; `largest_mm` is the record's displacement.
+fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue> {
+    let [p, q, r, s] = element.shape;
+    let reference = ("reference_mm", "mm", largest_mm);
+    match element.law {
         Law::PowerOfPlace => vec![
             ("stiffness_at_reference_n_per_mm", "N/mm", strength),
             reference,
@@ -132,35 +171,10 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             reference,
             ("exponent", "", p),
         ],
-        Law::Lost => vec![
+        _ => vec![
             ("width_mm", "mm", 2.0 * p),
             ("stiffness_n_per_mm", "N/mm", strength),
         ],
-        Law::SlippingJoint => vec![
-            ("stiffness_n_per_mm", "N/mm", strength),
-            ("gap_mm", "mm", q),
-            ("slip_n", "N", strength * p),
-        ],
-        Law::Recentring => vec![
-            ("stiffness_n_per_mm", "N/mm", strength),
-            ("yield_mm", "mm", p),
-            ("back_at_mm", "mm", q * p),
-        ],
-        Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
-        Law::Warming => vec![
-            ("stiffness_change_n_per_mm", "N/mm", strength),
-            ("time_constant_s", "s", p),
-        ],
-        Law::Slider
-        | Law::Bristles
-        | Law::Stribeck
-        | Law::BoucWen
-        | Law::Distributed
-        | Law::InSeries
-        | Law::SliderAway
-        | Law::SliderAlong
-        | Law::Worn
-        | Law::Pinched => yields(&[(*element, strength)], element, fit),
     }
 }
 
