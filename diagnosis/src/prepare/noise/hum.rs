@@ -53,29 +53,23 @@ pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     below.filter(|hz| stands(&still, h, *hz)).collect()
 }
 
-/// Whether a line of a frequency that is known stands out of what is near it once it is taken off: beside a line between two bins of a
-/// short rest there is more of that line than of noise.
+/// Whether a line of a frequency that is known stands out of what is near it. What is near is whole bins away, where the line itself
+/// has nothing.
 fn stands(still: &[f64], interval_s: f64, line_hz: f64) -> bool {
-    let (c, s) = quadratures(still, interval_s, line_hz);
-    let wave = |i: usize| (TAU * line_hz * i as f64 * interval_s).sin_cos();
-    let left = still.iter().enumerate().map(|(i, x)| {
-        let (sin, cos) = wave(i);
-        x - c * cos - s * sin
-    });
-    let left: Vec<f64> = left.collect();
+    let power = |hz: f64| {
+        let (c, s) = quadratures(still, interval_s, hz);
+        c * c + s * s
+    };
     let bin_hz = 1.0 / (still.len() as f64 * interval_s);
     let bins = (NEAR_HZ / bin_hz) as i32;
     let mut near: Vec<f64> = (-bins..=bins)
         .map(|k| line_hz + f64::from(k) * bin_hz)
         .filter(|hz| *hz > 0.0 && hz * interval_s < 0.5)
-        .map(|hz| {
-            let (c, s) = quadratures(&left, interval_s, hz);
-            c * c + s * s
-        })
+        .map(power)
         .collect();
     near.sort_by(f64::total_cmp);
     near.get(near.len() / 2)
-        .is_some_and(|median| c * c + s * s >= PROMINENT * median)
+        .is_some_and(|median| power(line_hz) >= PROMINENT * median)
 }
 
 /// Lines taken off whose sizes and phases change slowly: each window's own, under Hann's windows that overlap by half and add
@@ -123,7 +117,7 @@ mod tests {
     use crate::numbers::signals::rms;
 
     #[test]
-    fn a_harmonic_between_two_bins_of_a_short_rest_is_found_and_none_is_where_there_is_none() {
+    fn a_harmonic_is_found_in_a_short_rest_and_none_is_where_there_is_none() {
         let (h, n) = (1e-3, 1550);
         let record = |third: f64, seed: usize| {
             let noise =
