@@ -1,12 +1,15 @@
 //! A bare board with four wires on a desk (docs/desk.md): what it does, row by row, each with its limit.
 
+mod mishap;
+
+pub use mishap::{Leaves, MISHAPS, Mishap, mishap};
+
 use super::bench::BoardBench;
 use super::connection::BoardConnection;
 use super::limits::PlannedMotion;
 use super::operator::Operator;
 use super::orders::{calibrate, clear, done, event, identify, save, status};
 use super::setup::{Hold, ready};
-use super::upload::load;
 use crate::terminal::interrupt;
 use experiment::Experiment;
 use experiment::failure::Failure;
@@ -15,10 +18,10 @@ use experiment::files::test::TestFile;
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::Response;
 use link::reply::Identity;
-use link::status::{CrashCause, StartCause, Status, Timing};
+use link::status::Timing;
 use link::{Calibration, CodeRange, Command};
-use outerloop_core::{Event, Fault, Method, Mode, Prediction};
-use serde::{Deserialize, Serialize};
+use outerloop_core::{Event, Method, Prediction};
+use serde::Serialize;
 use std::path::Path;
 
 /// The test of the desk.
@@ -81,12 +84,6 @@ pub fn methods() -> Vec<Method> {
 /// Saves, after which a sector of 128 KiB with slots of 2 KiB has been full once.
 const SAVES: u32 = 66;
 
-/// A board that says nothing of a reset for so many steps has not been reset: half a minute, for a person to find the button.
-const RESET_STEPS: u32 = 60_000;
-
-/// Within so many looks at the telemetry, some milliseconds each, a test of the desk stands at its start, and runs.
-const REACHED_STEPS: u32 = 10_000;
-
 /// Within so many steps a test that is stopped has ended.
 const STOPPED_STEPS: u32 = 8000;
 
@@ -104,74 +101,6 @@ pub fn experiment(seconds: f64, rate_hz: u32) -> Result<Experiment, Failure> {
     let test = TestFile::parse(TEST, "examples/desk.toml", Path::new(""), &rate)?;
     Experiment::new(test, &near_fault(), Some(seconds))
 }
-
-/// What is done to a board from outside in the middle of a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Mishap {
-    /// A drill of the firmware, by a write into its memory.
-    Drill(u32),
-    /// The reset pin.
-    Reset,
-}
-
-/// What a mishap has to leave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leaves {
-    /// The board starts again, and says how, and of what it died.
-    Start(StartCause, Option<CrashCause>),
-    /// It runs on, and has tripped.
-    Trip(Fault),
-}
-
-/// What can happen, with what each has to leave.
-pub const MISHAPS: [(Mishap, &str, Leaves); 9] = [
-    (
-        Mishap::Drill(1),
-        "a panic",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Panic)),
-    ),
-    (
-        Mishap::Drill(2),
-        "an undefined instruction",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::HardFault)),
-    ),
-    (
-        Mishap::Drill(3),
-        "a stack without end",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::StackOverflow)),
-    ),
-    (
-        Mishap::Drill(4),
-        "a task that starves the others",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Starved)),
-    ),
-    (
-        Mishap::Drill(5),
-        "interrupts off for good",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::Silent)),
-    ),
-    (
-        Mishap::Drill(6),
-        "a step that takes too long",
-        Leaves::Trip(Fault::DeadlineMissed),
-    ),
-    (
-        Mishap::Drill(7),
-        "the external clock's guard",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::ClockStopped)),
-    ),
-    (
-        Mishap::Drill(8),
-        "the supply's guard",
-        Leaves::Start(StartCause::Watchdog, Some(CrashCause::LowSupply)),
-    ),
-    (
-        Mishap::Reset,
-        "the reset pin",
-        Leaves::Start(StartCause::Pin, None),
-    ),
-];
 
 /// How a row stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -413,126 +342,6 @@ fn give_up(board: &mut BoardConnection) {
     let _ = event(board, Event::Stop).and_then(|_| pass(board, STOPPED_STEPS));
     let _ = clear(board);
     forget(board);
-}
-
-/// A running test in which `happens` comes, while it listens to the board; how the board is behind it.
-pub fn mishap(
-    board: &mut BoardConnection,
-    (mishap, name, leaves): (Mishap, &str, Leaves),
-    happens: impl FnOnce(Mishap, &mut BoardConnection) -> Result<(), Failure>,
-) -> DeskRow {
-    let found = (|| {
-        run_until_moving(board)?;
-        happens(mishap, board)?;
-        match leaves {
-            Leaves::Start(started, cause) => {
-                until_reset(board)?;
-                let now = status(board)?;
-                let died = now.last_crash.as_ref().map(|crash| crash.cause);
-                let good = (now.started, died, now.permit) == (started, cause, false);
-                Ok((said(&now), good && now.state == Mode::Idle))
-            }
-            Leaves::Trip(fault) => {
-                until_tripped(board)?;
-                let now = status(board)?;
-                let tripped = now.trip.map(|t| t.fault);
-                let level = if now.permit { "high" } else { "low" };
-                let name = tripped.map_or("none", Fault::name);
-                let said = format!("{}, fault {name}, PERMIT {level}", now.state.name());
-                clear(board)?;
-                forget(board);
-                Ok((said, (tripped, now.permit) == (Some(fault), false)))
-            }
-        }
-    })();
-    if found.is_err() {
-        give_up(board);
-    }
-    let limit = match leaves {
-        Leaves::Start(started, cause) => format!(
-            "starts again by {started:?}, PERMIT low, crash report {}",
-            cause.map_or("none".into(), |c| format!("{c:?}"))
-        ),
-        Leaves::Trip(fault) => format!("tripped, fault {}, PERMIT low", fault.name()),
-    };
-    DeskRow::of(format!("in a running test: {name}"), &limit, found)
-}
-
-fn said(now: &Status) -> String {
-    let level = if now.permit { "high" } else { "low" };
-    let report = now.last_crash.as_ref().map_or("none".into(), |crash| {
-        format!("{:?}, {}", crash.cause, crash.text)
-    });
-    format!(
-        "started again by {:?}, {}, PERMIT {level}, crash report {report}",
-        now.started,
-        now.state.name()
-    )
-}
-
-/// Arms and starts the test of the desk.
-fn run_until_moving(board: &mut BoardConnection) -> Result<(), Failure> {
-    let experiment = experiment(4.0, 2000)?;
-    let codes = identify(board)?.codes;
-    calibrate(board, calibration(&codes))?;
-    configure(board, &experiment)?;
-    let shaking = experiment.shaking();
-    load(board, shaking.acc_m_per_s2, shaking.interval_s)?;
-    done(board, "signal", &Command::Signal(None))?;
-    pass(board, 300)?;
-    event(board, Event::Arm)?;
-    until(board, |mode, command_m| {
-        mode == Mode::Armed && command_m == 0.0
-    })?;
-    event(board, Event::Start)?;
-    until(board, |mode, _| mode == Mode::Running)
-}
-
-fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Result<(), Failure> {
-    for _ in 0..REACHED_STEPS {
-        if interrupt::asked() {
-            return Err(Failure::test("given up"));
-        }
-        for (_, step) in board.steps()? {
-            match step.mode() {
-                Some(Mode::Tripped) => {
-                    return Err(Failure::test("the board tripped before anything was done"));
-                }
-                Some(mode) if reached(mode, step.command_m) => return Ok(()),
-                _ => {}
-            }
-        }
-    }
-    Err(Failure::test(
-        "the test of the desk did not start: the board's button has ended it, or the board has started again",
-    ))
-}
-
-/// Until the steps count from zero again.
-fn until_reset(board: &mut BoardConnection) -> Result<(), Failure> {
-    let (mut last, mut seen) = (0, 0);
-    while seen < RESET_STEPS {
-        for (tick, _) in board.steps()? {
-            if tick < last {
-                return Ok(());
-            }
-            (last, seen) = (tick, seen + 1);
-        }
-    }
-    Err(Failure::test("the board was not reset"))
-}
-
-fn until_tripped(board: &mut BoardConnection) -> Result<(), Failure> {
-    let mut seen = 0;
-    while seen < STOPPED_STEPS {
-        for (_, step) in board.steps()? {
-            if step.mode() == Some(Mode::Tripped) {
-                return Ok(());
-            }
-            seen += 1;
-        }
-    }
-    Err(Failure::test("the board has not tripped"))
 }
 
 #[cfg(test)]
