@@ -11,8 +11,10 @@ use crate::verb::check::CheckAnswer;
 use crate::verb::diagnose::DiagnosisAnswer;
 use crate::verb::identify::IdentifiedOverFrequency;
 use crate::verb::improve::ImprovementRows;
+use crate::verb::replay::ReplayResult;
+use crate::verb::run::PlayedSignal;
 use crate::verb::sweep::SweepResult;
-use diagnosis::Model;
+use diagnosis::{CoupledDiagnosis, Model};
 use experiment::coupled::planned::CoupledCheck;
 use experiment::summary::Summary;
 use schemars::JsonSchema;
@@ -30,18 +32,21 @@ struct ComparedRows {
 type NamedSchema = (&'static str, fn() -> Value);
 
 /// The schemas of files, and of the answers of verbs.
-pub const SCHEMAS: [NamedSchema; 13] = [
+pub const SCHEMAS: [NamedSchema; 16] = [
     ("test", || schema(&all())),
     ("model", read::<Model>),
     ("run", of::<Summary>),
+    ("run-signal", of::<PlayedSignal<'static>>),
     ("compare", of::<ComparedRows>),
     ("check", of::<CheckAnswer<'static>>),
     ("check-coupled", of::<CoupledCheck>),
     ("sweep", of::<SweepResult<'static>>),
     ("monte-carlo", of::<Outcome>),
     ("diagnose", of::<DiagnosisAnswer<'static>>),
+    ("diagnose-coupled", of::<CoupledDiagnosis>),
     ("improve", of::<ImprovementRows<'static>>),
     ("identify", of::<IdentifiedOverFrequency>),
+    ("replay", of::<ReplayResult>),
     ("diff", of::<Difference>),
     ("serve", of::<SessionSummary>),
 ];

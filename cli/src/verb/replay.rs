@@ -26,7 +26,7 @@ pub struct Replay {
 
 /// What a replay found.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
-struct ReplayResult {
+pub struct ReplayResult {
     steps: usize,
     channels: usize,
     values_different: usize,

@@ -24,6 +24,7 @@ use experiment::numbers::{length, three};
 use experiment::rig::improvement;
 use experiment::trace::Response;
 use experiment::watch::agreement;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -307,8 +308,8 @@ fn take_into_account(path: &Path, test: &mut TestFile) -> Result<Vec<String>, Fa
 }
 
 /// What became of a signal.
-#[derive(Serialize)]
-struct PlayedSignal<'a> {
+#[derive(Serialize, JsonSchema)]
+pub struct PlayedSignal<'a> {
     signal: &'a Path,
     place: RigKind,
     steps: usize,

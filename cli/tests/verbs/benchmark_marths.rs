@@ -1,6 +1,6 @@
 //! From the multi-axial benchmark's record by `diagnose` to a lower floor, with nothing but the commands.
 
-use crate::common::{json, outerloop, refused};
+use crate::common::{is_as_its_schema_says, json, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
@@ -272,6 +272,7 @@ fn the_record_of_three_storeys_names_the_spring_that_was_declared_wrongly() {
         "{entry}"
     );
     assert_eq!(d["coordinates"][0]["wrong"].as_array().unwrap().len(), 1);
+    is_as_its_schema_says("diagnose-coupled", &d, "coordinates");
 
     let record = path("out/record.csv");
     let (all, early) = (format!("{record}@0..6"), format!("{record}@5..9"));

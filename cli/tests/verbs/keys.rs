@@ -104,7 +104,10 @@ fn every_answer_is_as_its_schema_says() {
     let record = format!("{first}/record.csv");
     let (train, test) = (format!("{record}@..9"), format!("{record}@9.."));
     let example = "examples/table1.toml";
-    let rows: [(&str, Vec<&str>, &str); 10] = [
+    let archive = format!("{first}/record.h5");
+    let signal = inside("signal.csv");
+    std::fs::write(&signal, "time_s,command_mm\n0,0\n1,2\n2,0\n").unwrap();
+    let rows: [(&str, Vec<&str>, &str); 12] = [
         (
             "run",
             vec!["run", example, "--duration", "14", "--out", &first],
@@ -166,6 +169,12 @@ fn every_answer_is_as_its_schema_says() {
         ),
         ("identify", vec!["identify", &record], "delay_ms"),
         ("diff", vec!["diff", &first, &first], "channels"),
+        ("replay", vec!["replay", &archive], "values_different"),
+        (
+            "run-signal",
+            vec!["run", example, "--signal", &signal],
+            "peak_force_n",
+        ),
     ];
     for (schema, arguments, without) in rows {
         let output = outerloop(&[&arguments[..], &["--json"]].concat());
