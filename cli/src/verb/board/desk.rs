@@ -1,7 +1,7 @@
 //! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
 
 use crate::answer::of_desk;
-use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
+use crate::board::desk::{self, DeskRow, INCIDENTS, Incident, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
@@ -121,12 +121,12 @@ impl Desk {
         self.place.kind() == RigKind::Emulated
     }
 
-    fn connect(&self, mishap: Option<Mishap>) -> Result<BoardConnection, Failure> {
+    fn connect(&self, incident: Option<Incident>) -> Result<BoardConnection, Failure> {
         let port: Box<dyn Port> = match self.place.serial()? {
             Some(port) => port,
             None => {
                 let image = self.image.unwrap_or_default();
-                Box::new(Emulated::start(&EmulatedRig::on_desk(image, mishap)?)?)
+                Box::new(Emulated::start(&EmulatedRig::on_desk(image, incident)?)?)
             }
         };
         Ok(Connection::new(port, Timeouts::BOARD))
@@ -183,7 +183,7 @@ impl Desk {
         rows.push(whole);
         rows.push(desk::forget(&mut board));
         drop(board);
-        rows.extend(self.mishaps()?);
+        rows.extend(self.incidents()?);
         rows.push(DeskRow::not_done(
             "levels of the pins in reset, the trigger lines, the converters' accuracy",
             "not done: only a scope on the metal shows them, see docs/hil.md",
@@ -200,24 +200,24 @@ impl Desk {
     }
 
     /// Each on a board of its own, or one after the other on the one at the port.
-    fn mishaps(&self) -> Result<Vec<DeskRow>, Failure> {
+    fn incidents(&self) -> Result<Vec<DeskRow>, Failure> {
         let mut rows = Vec::new();
-        for expected in MISHAPS {
+        for expected in INCIDENTS {
             if interrupt::asked() {
                 break;
             }
-            let (mishap, name, ..) = expected;
+            let (incident, name, ..) = expected;
             rows.push(match (&self.probe, self.is_emulated()) {
                 (None, false) => DeskRow::not_done(
                     &format!("in a running test: {name}"),
                     "not done: it needs a debug probe (--probe, scripts/desk has one)",
                 ),
                 (probe, _) => {
-                    let mut board = self.connect(Some(mishap))?;
-                    desk::mishap(&mut board, expected, |mishap, board| match probe {
+                    let mut board = self.connect(Some(incident))?;
+                    desk::incident(&mut board, expected, |incident, board| match probe {
                         // The laboratory of the emulated board does it by itself.
                         None => Ok(()),
-                        Some(program) => by_probe(program, mishap, board),
+                        Some(program) => by_probe(program, incident, board),
                     })
                 }
             });
@@ -229,12 +229,12 @@ impl Desk {
 /// A probe takes its time, and a board that hears nothing from the PC for half a second gives it up.
 fn by_probe(
     program: &std::path::Path,
-    mishap: Mishap,
+    incident: Incident,
     board: &mut BoardConnection,
 ) -> Result<(), Failure> {
-    let arguments = match mishap {
-        Mishap::Drill(number) => vec!["drill".into(), number.to_string()],
-        Mishap::Reset => vec!["reset".into()],
+    let arguments = match incident {
+        Incident::Drill(number) => vec!["drill".into(), number.to_string()],
+        Incident::Reset => vec!["reset".into()],
     };
     let called = format!("{} {}", program.display(), arguments.join(" "));
     let cannot = |why: String| Failure::test(format!("--probe: `{called}`: {why}"));
