@@ -38,7 +38,7 @@ pub(super) struct Desk {
     /// How long the whole closed loop is, s
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = seconds)]
     duration: f64,
-    /// A program that does to the chip what no serial port can, by a debug probe: it is called with `drill N` or `reset`
+    /// Debug-probe helper, called with `drill N` or `reset`
     #[arg(long, value_name = "PROGRAM", conflicts_with = "emulated")]
     probe: Option<PathBuf>,
     /// A line for the page, e.g. the board's number and the hash of what was flashed; as many as are wanted
