@@ -1,8 +1,6 @@
 //! A bare board with four wires on a desk (docs/desk.md): what it does, row by row, each with its limit.
 
-mod incident;
-
-pub use incident::{INCIDENTS, Incident, Leaves, incident};
+pub mod incident;
 
 use super::bench::BoardBench;
 use super::connection::BoardConnection;

@@ -2,7 +2,8 @@
 
 use super::bench::only_x_and_rotation;
 use super::build::{built_emulator, built_image};
-use super::desk::{self, Incident};
+use super::desk;
+use super::desk::incident::Incident;
 use super::image::Image;
 use super::in_turns::{InTurns, Turns};
 use super::limits::PlannedMotion;

@@ -7,7 +7,8 @@ use firmware::station::{Flash, Ring, TEST_BYTES};
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::BoardTest;
 use link::status::StartCause;
-use outerloop_cli::board::desk::{self, DeskRow, Incident, Leaves, RowVerdict};
+use outerloop_cli::board::desk::incident::{self, Incident, Leaves};
+use outerloop_cli::board::desk::{self, DeskRow, RowVerdict};
 use outerloop_cli::board::{BoardConnection, Connection, Port, Timeouts, status};
 use std::cell::RefCell;
 use std::pin::pin;
@@ -25,7 +26,7 @@ fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
         "a reset",
         Leaves::Start(StartCause::Pin, None),
     );
-    let row = desk::incident(&mut board, expected, |_, board| {
+    let row = incident::row(&mut board, expected, |_, board| {
         // 300 looks of 20 steps, 3 s: the board gives up after half a one.
         for _ in 0..300 {
             board.listen()?;

@@ -86,7 +86,7 @@ pub const INCIDENTS: [(Incident, &str, Leaves); 9] = [
 ];
 
 /// A running test in which `happens` comes, while it listens to the board; how the board is behind it.
-pub fn incident(
+pub fn row(
     board: &mut BoardConnection,
     (incident, name, leaves): (Incident, &str, Leaves),
     happens: impl FnOnce(Incident, &mut BoardConnection) -> Result<(), Failure>,

@@ -1,7 +1,8 @@
 //! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
 
 use crate::answer::of_desk;
-use crate::board::desk::{self, DeskRow, INCIDENTS, Incident, RowVerdict};
+use crate::board::desk::incident::{self, INCIDENTS, Incident};
+use crate::board::desk::{self, DeskRow, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
@@ -214,7 +215,7 @@ impl Desk {
                 ),
                 (probe, _) => {
                     let mut board = self.connect(Some(incident))?;
-                    desk::incident(&mut board, expected, |incident, board| match probe {
+                    incident::row(&mut board, expected, |incident, board| match probe {
                         // The laboratory of the emulated board does it by itself.
                         None => Ok(()),
                         Some(program) => by_probe(program, incident, board),
