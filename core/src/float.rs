@@ -1,4 +1,4 @@
-//! Small helps for the step: the larger and the smaller of two numbers, and a mark for the branch that is seldom taken.
+//! Small helpers for the step: the larger and the smaller of two numbers, and a mark for a branch that is rarely taken.
 //!
 //! `f32::max` and `f32::min` also define the result for a NaN, which takes a dozen instructions on a processor without
 //! an instruction for it. Here a NaN in the second place is ignored, and one in the first place stays.

@@ -79,8 +79,8 @@ pub fn diagnose(
             rest,
         };
         let mut answer = channel.judge(&mut improved);
-        channel.doubt_none(&mut answer);
-        channel.excuse_corners(&mut answer);
+        channel.check_none_on_held_out(&mut answer);
+        channel.allow_for_corners(&mut answer);
         noise_floor::limit_floor(&mut answer, f64::INFINITY);
         let lines = channel.lines_in_place_of_noise(&mut answer);
         channel.analyse_residual(&mut answer, lines);

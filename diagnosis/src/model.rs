@@ -104,7 +104,7 @@ pub struct ActuatorModel {
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSpec>,
-    /// What the rest depends on, without a name: taken off the displacement before anything is asked.
+    /// What the remaining error depends on, without a name: taken off the displacement before anything is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<Correction>,
 }
@@ -150,7 +150,7 @@ pub struct SpecimenModel {
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSpec>,
-    /// What the rest depends on, without a name: taken off the force before anything is asked.
+    /// What the remaining error depends on, without a name: taken off the force before anything is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<Correction>,
     /// Elements beside the specimen, of a strength of their own, that earlier diagnoses added.

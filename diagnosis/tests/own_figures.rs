@@ -284,7 +284,7 @@ fn a_line_in_the_rest_is_named_beside_what_has_no_name() {
 }
 
 #[test]
-fn a_clock_that_runs_otherwise_is_said() {
+fn a_clock_of_another_rate_is_said() {
     let (a, _) = asked(&declared([1000.0, 50.0]), |x, v| {
         let here = spring(x, v, 1000.0);
         let n = here.len();

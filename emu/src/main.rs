@@ -37,7 +37,7 @@ struct EmulatedRig {
     /// Four wires in place of the rig.
     #[serde(default)]
     four_wires: bool,
-    mishap: Option<Mishap>,
+    incident: Option<Incident>,
 }
 
 /// Two coupled actuators, with the sensors of the rig.
@@ -51,18 +51,18 @@ struct CoupledLaboratory {
 /// What is done to the board.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Mishap {
+enum Incident {
     Drill(u32),
     Reset,
 }
 
-impl From<Mishap> for PlannedFault {
-    fn from(mishap: Mishap) -> Self {
+impl From<Incident> for PlannedFault {
+    fn from(incident: Incident) -> Self {
         Self {
             after_steps: 600,
-            fault: match mishap {
-                Mishap::Drill(number) => InjectedFault::Drill(number),
-                Mishap::Reset => InjectedFault::Reset,
+            fault: match incident {
+                Incident::Drill(number) => InjectedFault::Drill(number),
+                Incident::Reset => InjectedFault::Reset,
             },
         }
     }
@@ -97,7 +97,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
         .with_converters(room.image)
         .wired(room.calibration)
-        .with_plan(room.mishap.map(Into::into))
+        .with_plan(room.incident.map(Into::into))
         .on_four_wires(room.four_wires)
         .in_real_time(room.real_time);
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())

@@ -2,17 +2,17 @@
 #![allow(missing_docs)]
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
-#[path = "../examples/field/sit.rs"]
-mod sit;
+#[path = "../examples/field/grading.rs"]
+mod grading;
 
 use exam::devices::{devices, set_device};
 use exam::field::{Field, Mark, SOUND_RAM, causes, set_field, set_ram};
+use grading::{GradedField, answer, model, recordings};
 use rayon::prelude::*;
-use sit::{Sat, answer, model, recordings};
 
-fn all(set: fn(u64) -> Field, seeds: std::ops::Range<u64>) -> Vec<Sat> {
+fn all(set: fn(u64) -> Field, seeds: std::ops::Range<u64>) -> Vec<GradedField> {
     let seeds = seeds.into_par_iter();
-    let all: Vec<Sat> = seeds.map(|seed| answer(set(seed))).collect();
+    let all: Vec<GradedField> = seeds.map(|seed| answer(set(seed))).collect();
     for s in all
         .iter()
         .filter(|s| !matches!(s.mark, Mark::Right | Mark::Set))
@@ -38,7 +38,7 @@ fn all(set: fn(u64) -> Field, seeds: std::ops::Range<u64>) -> Vec<Sat> {
     all
 }
 
-fn count(all: &[Sat], marks: &[Mark]) -> usize {
+fn count(all: &[GradedField], marks: &[Mark]) -> usize {
     all.iter().filter(|s| marks.contains(&s.mark)).count()
 }
 
@@ -83,7 +83,7 @@ fn a_damper_behind_a_brace_at_one_speed_is_no_hysteresis() {
     let seeds = DAMPERS_AT_ONE_SPEED.into_par_iter();
     for s in seeds
         .map(|seed| answer(set_device(seed)))
-        .collect::<Vec<Sat>>()
+        .collect::<Vec<GradedField>>()
     {
         let right = matches!(s.mark, Mark::Right | Mark::Set);
         assert!(right, "{}: {:?}", s.id, s.said);
@@ -103,14 +103,14 @@ fn a_damper_behind_a_brace_is_no_late_reading() {
 #[test]
 fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let all = all(set_ram, 100..124);
-    let sound = |s: &&Sat| s.cause == SOUND_RAM;
+    let sound = |s: &&GradedField| s.cause == SOUND_RAM;
     let [quiet, others] =
         [true, false].map(|wanted| all.iter().filter(move |s| sound(s) == wanted));
-    let ordinary = |s: &Sat| s.notes.iter().any(|n| n.contains("an ordinary ram"));
+    let ordinary = |s: &GradedField| s.notes.iter().any(|n| n.contains("an ordinary ram"));
     assert!(quiet.clone().any(ordinary));
     assert!(all.iter().all(|s| !ordinary(s) || s.said.verdict == "none"));
     // One of them reaches the largest speed of its valve.
-    let right = |s: &&Sat| matches!(s.mark, Mark::Right | Mark::Set);
+    let right = |s: &&GradedField| matches!(s.mark, Mark::Right | Mark::Set);
     assert!(quiet.filter(right).count() >= 11);
     assert!(others.filter(right).count() >= 6);
 }
@@ -130,7 +130,7 @@ fn names_that_free_functions_reach_are_not_given() {
     let seeds = ONCE_FALSE.into_par_iter();
     for s in seeds
         .map(|seed| answer(set_field(seed)))
-        .collect::<Vec<Sat>>()
+        .collect::<Vec<GradedField>>()
     {
         assert!(!wrong.contains(&s.mark), "{}: {:?}", s.id, s.said);
     }
@@ -156,7 +156,7 @@ fn the_stated_noise_is_the_readings_whatever_the_declared_model_lacks() {
 }
 
 #[test]
-#[ignore = "half an hour of one core: two thousand drawn rigs; docs/diagnosis-exam.md says how many were sat"]
+#[ignore = "half an hour of one core: two thousand drawn rigs; docs/diagnosis-exam.md says how many were drawn"]
 fn no_more_names_are_false_than_their_q_says_on_two_thousand_rigs() {
     let all = all(set_field, 13_000..15_000);
     let vouched: Vec<_> = all.iter().flat_map(|s| &s.vouched).collect();

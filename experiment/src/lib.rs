@@ -9,7 +9,7 @@
 //! | [`mod@bench`] | where a test runs: one trait, whatever stands behind it |
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
-//! | [`frequency_response`](mod@frequency_response) | what an actuator does over frequency |
+//! | [`frequency_response`](mod@frequency_response) | the frequency response of an actuator |
 //! | [`judged`] | a test that ran, with its figures |
 //! | [`compensation`] | what a test is run under |
 //! | [`coupled`](mod@coupled) | what only tests of two coupled actuators have: declaration, record, figures |

@@ -1,4 +1,4 @@
-//! Who looks at a running test: every record of it, whatever the size of the loop.
+//! Observers of a running test: they get every record of it, whatever the size of the loop.
 
 use outerloop_core::watch::{AxisOrders, Block, Instructions, Verdict};
 use outerloop_core::{EnergyWords, Event, Mode, Record};

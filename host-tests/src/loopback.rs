@@ -80,7 +80,7 @@ pub struct Loopback<const A: usize = 1> {
     /// What comes from the board is noise.
     pub is_noisy: bool,
     /// What happens, and at which step, in this order.
-    pub mishaps: VecDeque<(u64, FaultInjection<A>)>,
+    pub incidents: VecDeque<(u64, FaultInjection<A>)>,
 }
 
 impl<const A: usize> Loopback<A> {
@@ -107,7 +107,7 @@ impl<const A: usize> Loopback<A> {
             cut: false,
             is_deaf: false,
             is_noisy: false,
-            mishaps: VecDeque::new(),
+            incidents: VecDeque::new(),
         }
     }
 
@@ -126,10 +126,10 @@ impl<const A: usize> Loopback<A> {
         }
         self.serve();
         if self
-            .mishaps
+            .incidents
             .front()
             .is_some_and(|(at, _)| self.steps >= *at)
-            && let Some((_, mut happen)) = self.mishaps.pop_front()
+            && let Some((_, mut happen)) = self.incidents.pop_front()
         {
             happen(self);
         }

@@ -1,4 +1,4 @@
-//! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
+//! Third-party records with known causes: `outside/cases.toml` in the folder of the data.
 
 use diagnosis::{ChannelAnswer, Model, Recording, Verdict};
 use experiment::files::measured::{FilePart, RecordFiles};

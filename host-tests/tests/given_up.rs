@@ -75,7 +75,7 @@ fn off_the_start(test: &TestFile) -> (Connection<Loopback>, Receiver<Pressed>) {
         // Another thread hears of it.
         std::thread::sleep(Duration::from_millis(300));
     };
-    loopback.mishaps.push_back((PRESSED, Box::new(presses)));
+    loopback.incidents.push_back((PRESSED, Box::new(presses)));
     let [wired] = loopback.board.hardware.board.wired;
     let mut connection = Connection::new(loopback, Timeouts::BOARD);
     board::calibrate(&mut connection, wired).unwrap();

@@ -89,7 +89,7 @@ pub struct Benchmark<'a> {
     pub rules: &'a Rules,
     /// The ground motions.
     pub records: &'a [GroundRecord],
-    /// Who is on trial.
+    /// The controllers under test.
     pub contestants: &'a [Contestant],
     /// Perturbed plants for each case.
     pub plants: usize,

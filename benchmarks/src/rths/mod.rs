@@ -12,7 +12,7 @@
 //! | [`yielding`] | specimens that are not linear |
 //! | [`channels`] | converters and noise |
 //! | [`shaking`], [`record`] | ground motions and the answers of the whole structures |
-//! | [`controller`] | who is on trial: published ones, core's methods, yours |
+//! | [`controller`] | the controllers under test: published ones, core's methods, yours |
 //! | [`trial`] | closed loops side by side |
 //! | [`criteria`] | J1 to J9 |
 //! | [`mod@bench`] | all of it, on all cores |

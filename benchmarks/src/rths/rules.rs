@@ -62,8 +62,8 @@ impl Rules {
         }
     }
 
-    /// Those of our earlier tables: core integrates, with the force of the same sample; the numerical part is nominal;
-    /// root mean squares.
+    /// A simpler set: core integrates, with the force of the same sample; the numerical part is nominal; criteria are root
+    /// mean squares.
     pub fn own() -> Self {
         Self {
             deviations: vec![

@@ -1,4 +1,4 @@
-//! A diagnosis: the verdict, what is left before and after, the loops, what the rest depends on.
+//! A diagnosis: the verdict, what is left before and after, the loops, what the remaining error depends on.
 
 use super::witness::{self, Witness};
 use super::{dial, next};
@@ -390,7 +390,7 @@ fn left_over(d: &mut Document, a: &ChannelAnswer) {
         .map(|i| (t.input[i + over] - t.input[i]) / (over as f64 * h))
         .collect();
     let label = format!("left [{}]", unit(a));
-    d.subheading("What the rest depends on");
+    d.subheading("What the remaining error depends on");
     d.pair(|d| {
         let at = format!("{} [mm]", input(a));
         for (of, x_label, caption) in [
@@ -406,7 +406,7 @@ fn left_over(d: &mut Document, a: &ChannelAnswer) {
     });
 }
 
-/// What the rest depends on.
+/// What the remaining error depends on.
 fn shares(d: &mut Document, a: &ChannelAnswer) {
     let Some(r) = a
         .remainder

@@ -1,4 +1,4 @@
-//! What an actuator does: the numbers of its model, and what it does over frequency.
+//! What an actuator does: the numbers of its model, and its frequency response.
 
 use crate::document::plot::{
     Colour, Curve, GROUND, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG, plot,

@@ -1,8 +1,6 @@
 //! A bare board with four wires on a desk (docs/desk.md): what it does, row by row, each with its limit.
 
-mod mishap;
-
-pub use mishap::{Leaves, MISHAPS, Mishap, mishap};
+pub mod incident;
 
 use super::bench::BoardBench;
 use super::connection::BoardConnection;
@@ -37,7 +35,7 @@ const PERIOD_OFF_CYCLES: u32 = 100;
 /// Length of a method's test, s.
 const METHOD_S: f64 = 0.25;
 
-/// Cycles of each method's dearest step by the model of the chip (docs/methods-validation.md), one storey in the laboratory. It
+/// Cycles of each method's most expensive step by the model of the chip (docs/methods-validation.md), one storey in the laboratory. It
 /// is the loop alone: what the board times has the sample before it and the command behind it in it, too.
 pub const MODEL_CYCLES: [(&str, u32); 30] = [
     ("none", 1209),
@@ -72,7 +70,7 @@ pub const MODEL_CYCLES: [(&str, u32); 30] = [
     ("paper+hydraulic", 2399),
 ];
 
-/// What the desk rehearses: every method, and `paper` behind each predictor, which are the dearest of all.
+/// What the desk rehearses: every method, and `paper` behind each predictor, which are the most expensive of all.
 pub fn methods() -> Vec<Method> {
     let predictors = Prediction::ALL.iter().copied();
     let pairs = predictors

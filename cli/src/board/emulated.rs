@@ -2,7 +2,8 @@
 
 use super::bench::only_x_and_rotation;
 use super::build::{built_emulator, built_image};
-use super::desk::{self, Mishap};
+use super::desk;
+use super::desk::incident::Incident;
 use super::image::Image;
 use super::in_turns::{InTurns, Turns};
 use super::limits::PlannedMotion;
@@ -85,7 +86,7 @@ pub struct EmulatedRig {
     /// Four wires on a desk in place of the rig: the command is displacement and force.
     pub four_wires: bool,
     /// What is done to the board 0.3 s after PERMIT came.
-    pub mishap: Option<Mishap>,
+    pub incident: Option<Incident>,
 }
 
 /// Two coupled actuators and what they hold.
@@ -122,21 +123,21 @@ impl EmulatedRig {
             image,
             real_time: false,
             four_wires: false,
-            mishap: None,
+            incident: None,
         }
     }
 
-    /// A bare board with four wires, on which `image` runs and to which `mishap` comes.
+    /// A bare board with four wires, on which `image` runs and to which `incident` comes.
     ///
     /// # Errors
     /// None, while the test of the desk is one.
-    pub fn on_desk(image: Image, mishap: Option<Mishap>) -> Result<Self, Failure> {
+    pub fn on_desk(image: Image, incident: Option<Incident>) -> Result<Self, Failure> {
         let laboratory = Self::of(&desk::experiment(1.0, 2000)?.test, 1);
         Ok(Self {
             calibration: desk::calibration(&image.codes()),
             image,
             four_wires: true,
-            mishap,
+            incident,
             ..laboratory
         })
     }

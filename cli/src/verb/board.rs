@@ -31,7 +31,7 @@ enum Order {
     Calibrate(Calibrate),
     Commission(Commission),
     Desk(Desk),
-    /// Clear the end of a test or a fault
+    /// Return to idle after a test or a fault
     Clear(Plain),
 }
 

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 pub struct Compare {
     #[command(flatten)]
     common: CommonArguments,
-    /// Where the first is a test that ran (folder of `run --out`, record.h5, archive): the second one; as `diff` does it
+    /// A second recorded test; runs `diff`. The first is then a recorded test, too: folder of `run --out`, record.h5 or archive
     #[arg(value_name = "SECOND", conflicts_with_all = ["record", "compensations", "duration", "overrides"])]
     second: Option<PathBuf>,
     /// A ground motion; may be given several times

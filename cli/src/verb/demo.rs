@@ -1,4 +1,4 @@
-//! `outerloop demo`: the whole story with no input.
+//! `outerloop demo`: every method on one test, then a test, its diagnosis and the repeated test, with no input.
 
 use super::look_at_page;
 use crate::answer::{TestSection, of_demo};

@@ -49,12 +49,12 @@ pub struct Diagnose {
     /// none is written, and that is said
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
-    /// A channel that takes no part, such as a pressure, and is asked whether it shows what was named; may be given several times.
-    /// The column by its name or number
+    /// An unused channel, such as a pressure, tested for the named effect: its file, and its column by name or number; may be given
+    /// several times
     #[arg(long, value_name = "FILE:COLUMN")]
     witness: Vec<WitnessColumn>,
-    /// A record with one thing of the rig turned, such as the tension of a brake, and where it stood; three settings and more. Does
-    /// the number of what was named follow, and does nothing else?
+    /// Records at three or more settings of one adjustment, such as the tension of a brake, each with the value of its setting; checks
+    /// that only the named parameter follows
     #[arg(long, value_name = "VALUE=FILE[@T0..T1]")]
     dial: Vec<DialArgument>,
     /// Write report.html, diagnosis.json and model.toml there

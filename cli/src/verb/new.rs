@@ -23,7 +23,7 @@ pub struct New {
     /// Write a declared model for `outerloop diagnose` instead, with every key explained
     #[arg(long, value_name = "FILE", conflicts_with_all = ["file", "from"])]
     model: Option<PathBuf>,
-    /// Write a signal that tells an actuator over frequency instead, for `run --signal` and `board commission --signal`
+    /// Write a signal for measuring an actuator's frequency response instead, for `run --signal` and `board commission --signal`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["file", "from", "model"])]
     signal: Option<PathBuf>,
     #[command(flatten)]

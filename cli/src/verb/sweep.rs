@@ -26,7 +26,7 @@ pub struct Sweep {
     /// The key and its values, e.g. plant.actuator.delay_ms=0..20/11 (eleven of them) or excitation.scale=0.5,1,2
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "drawn")]
     over: Option<String>,
-    /// So many rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
+    /// Number of rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
     /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %
     #[arg(
         long,

@@ -229,7 +229,7 @@ fn change(a: &ChannelAnswer) -> String {
     )
 }
 
-/// What the rest of a channel depends on, in words: place and speed are those of what goes into it.
+/// What the remaining error of a channel depends on, in words: place and speed are those of what goes into it.
 pub const fn depends_on(d: DependsOn, channel: Channel) -> &'static str {
     match (d, channel) {
         (DependsOn::Displacement, Channel::Actuator) => "the command",

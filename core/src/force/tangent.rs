@@ -7,7 +7,7 @@
 //!
 //! `K_t` starts at the declared `K_0`, is kept between 0 and `2 K_0`, and goes back to `K_0` where the specimen turns
 //! round. Displacement and shear pass the same low-pass before the secant is formed, so that their lag cancels. While
-//! the command has turned and the specimen has not, the way that is left has two parts: on to the turning point with
+//! the command has turned and the specimen has not, the remaining travel has two parts: on to the turning point with
 //! `K_t`, and back from it with `K_0`.
 //!
 //! Parameters: `tangent.share`, `tangent.motion_m`, `tangent.smoothing_ms`. Cost: some 60 operations a storey.

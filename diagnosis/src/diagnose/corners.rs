@@ -43,7 +43,7 @@ impl Smooth {
 
 impl ChannelDiagnosis<'_> {
     /// Takes `unknown` back where the declared specimen leaves no more than noise but at corners of the motion.
-    pub(super) fn excuse_corners(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn allow_for_corners(&self, answer: &mut ChannelAnswer) {
         let [_, c, m, _] = self.base.values;
         let feels = c != 0.0 || m != 0.0;
         let unknown = answer.verdict == Verdict::Unknown;

@@ -9,7 +9,7 @@ use plant::Channel;
 impl ChannelDiagnosis<'_> {
     /// `none` holds where what is left is not most of the output, and where the held-out data leave no more than noise, too: else
     /// something acts there that the training data do not show.
-    pub(super) fn doubt_none(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn check_none_on_held_out(&self, answer: &mut ChannelAnswer) {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
             Channel::Actuator => self.base.ordinary()[1].max(DISPLACEMENT_TRANSDUCER),

@@ -1,4 +1,4 @@
-//! What the rest of a channel depends on.
+//! What the remaining error of a channel depends on.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
@@ -160,7 +160,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Of what is left and is speed times time: a clock that runs otherwise.
+    /// Of what is left and is speed times time: a clock that runs faster or slower than the other.
     fn other_clock(&self, train: &[Moves], test: &[Moves]) -> Option<String> {
         let found = clock(train, test)?;
         let output = self.output();
@@ -170,8 +170,8 @@ impl ChannelDiagnosis<'_> {
         );
         Some(format!(
             "{:.0} % of the squares of what is left are speed times time: the {output} comes more and more {way}, by {:.0} ppm \
-             of the time, {ms:.1} ms at the end of the training data. That is what a logger's clock does that runs otherwise \
-             than the other: record both channels by one clock, or stretch the time of one of them by that.",
+             of the time, {ms:.1} ms at the end of the training data. The two loggers' clocks run at different rates: \
+             record both channels by one clock, or stretch the time of one of them by that.",
             100.0 * found.share,
             1e6 * found.late.abs()
         ))

@@ -103,7 +103,7 @@ pub struct Member {
     pub probability: f64,
 }
 
-/// What the rest depends on.
+/// What the remaining error depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DependsOn {
@@ -138,7 +138,7 @@ pub struct Share {
     pub even: f64,
 }
 
-/// Where a rest was learned: outside it is not said what it would be.
+/// The range in which the remaining error was learned; nothing is claimed outside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
@@ -152,7 +152,7 @@ pub struct Range {
     pub seconds: f64,
 }
 
-/// What a rest depends on, without a name: strengths of the columns of one class.
+/// What the remaining error depends on, without a name: strengths of the columns of one class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {

@@ -18,7 +18,7 @@ pub struct ChannelModel<'a> {
     pub effects: &'a [EffectSpec],
     /// Elements beside a specimen.
     pub elements: &'a [SavedElement],
-    /// What the rest depends on, without a name.
+    /// What the remaining error depends on, without a name.
     pub remainder: Option<&'a Correction>,
 }
 

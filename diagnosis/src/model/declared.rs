@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
+/// A declared parameter. The fit may move it by three tolerances; beyond that the change is reported as an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Declared {

@@ -13,16 +13,16 @@
 //! notes advise.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
+mod grading;
 mod noise;
 mod settle;
-mod sit;
 
 use exam::aims::{self, Aim, Figure};
 use exam::devices::{devices, set_device};
 use exam::field::{Field, Mark, SOUND_RAM, causes, faults, set_field, set_ram};
+use grading::GradedField;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-use sit::Sat;
 
 /// Sets the rig of a seed.
 type World = fn(u64) -> Field;
@@ -93,9 +93,9 @@ fn main() {
         .flat_map(|w| seeds.iter().map(|seed| (w.0, *seed)));
     let rigs: Vec<(World, u64)> = rigs.collect();
     let bar = ProgressBar::new(rigs.len() as u64);
-    let all: Vec<Sat> = rigs
+    let all: Vec<GradedField> = rigs
         .into_par_iter()
-        .map(|(set, seed)| sit::answer(set(seed)))
+        .map(|(set, seed)| grading::answer(set(seed)))
         .inspect(|_| bar.inc(1))
         .inspect(|s| {
             if list && !matches!(s.mark, Mark::Right | Mark::Set) {
@@ -120,9 +120,10 @@ fn main() {
 }
 
 /// How rams did by the measure of the field trial: sound ones called sound, faults found, faults named wrongly.
-fn field_trial(all: &[Sat]) -> [Figure; 3] {
-    let (sound, faulty): (Vec<&Sat>, Vec<&Sat>) = all.iter().partition(|s| s.cause == SOUND_RAM);
-    let share = |of: &[&Sat], marks: &[Mark]| {
+fn field_trial(all: &[GradedField]) -> [Figure; 3] {
+    let (sound, faulty): (Vec<&GradedField>, Vec<&GradedField>) =
+        all.iter().partition(|s| s.cause == SOUND_RAM);
+    let share = |of: &[&GradedField], marks: &[Mark]| {
         let part = of.iter().filter(|s| marks.contains(&s.mark)).count();
         Figure::share(part as f64, of.len())
     };
@@ -133,7 +134,7 @@ fn field_trial(all: &[Sat]) -> [Figure; 3] {
     ]
 }
 
-fn show(s: &Sat) {
+fn show(s: &GradedField) {
     println!(
         "{:?} [{}] {} {:?} or {:?}, q {:?}; {:.4} -> {:.4} of {:.4}; {} samples, {:.1} s",
         s.mark,
@@ -153,11 +154,11 @@ fn show(s: &Sat) {
     }
 }
 
-fn by_cause(names: &[&str], all: &[Sat]) {
+fn by_cause(names: &[&str], all: &[GradedField]) {
     let heads = Mark::ALL.map(|m| format!("{m:?}").to_lowercase());
     println!("| cause | rigs | {} |", heads.join(" | "));
     println!("|---|---|{}", "---|".repeat(heads.len()));
-    let row = |name: &str, of: &[&Sat]| {
+    let row = |name: &str, of: &[&GradedField]| {
         let count = |m: Mark| of.iter().filter(|s| s.mark == m).count();
         let cells = Mark::ALL.map(|m| {
             count(m)
@@ -176,7 +177,7 @@ fn by_cause(names: &[&str], all: &[Sat]) {
 }
 
 /// Each name with its `q`, for those who want to calibrate anew.
-fn evidence(all: &[Sat]) {
+fn evidence(all: &[GradedField]) {
     println!("| rig | name | channel | false | error left | q |");
     println!("|---|---|---|---|---|---|");
     for s in all {
@@ -190,8 +191,8 @@ fn evidence(all: &[Sat]) {
 const STATED: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
 
 /// Every name that was given a probability, in a set, beside others or for sure: how often it is in the rig.
-fn reliability(all: &[Sat]) {
-    let sure = |s: &Sat| {
+fn reliability(all: &[GradedField]) {
+    let sure = |s: &GradedField| {
         s.vouched
             .iter()
             .map(|v| (1.0 - v.q, !v.is_false))
@@ -219,7 +220,7 @@ fn reliability(all: &[Sat]) {
 }
 
 /// The share of false names among those that were given with a `q` up to a level.
-fn calibration(all: &[Sat]) {
+fn calibration(all: &[GradedField]) {
     let vouched: Vec<_> = all.iter().flat_map(|s| &s.vouched).collect();
     let drives = vouched.iter().filter(|v| v.actuator);
     let (names, wrong) = drives.fold((0, 0), |(n, w), v| (n + 1, w + u32::from(v.is_false)));

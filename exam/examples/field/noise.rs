@@ -1,6 +1,6 @@
 //! The noise that is stated of records without a rest, beside the true one.
 
-use crate::sit::{model, recordings};
+use crate::grading::{model, recordings};
 use exam::field::{Believed, Field, causes};
 use indicatif::ProgressBar;
 use rayon::prelude::*;

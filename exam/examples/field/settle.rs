@@ -1,6 +1,6 @@
 //! Whether designed tests settle what a first record leaves open, beside tests by the diagnosis' own fixed advice.
 
-use crate::sit::{model, recordings, said};
+use crate::grading::{model, recordings, said};
 use diagnosis::{Diagnosis, Model, Recording, RigLimits, Verdict};
 use exam::aims::{self, Figure};
 use exam::field::{Field, Limits, Mark, Said, Stand, Truth, set_field};
@@ -224,13 +224,13 @@ fn end(truth: &Truth, found: &Diagnosis) -> End {
 pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
     let bar = ProgressBar::new(wanted as u64);
     let mut rigs: Vec<Played> = Vec::new();
-    let mut sat = 0;
+    let mut drawn = 0;
     // In turn, so that no more than are wanted are played.
     for some in seeds.chunks(TOGETHER) {
         if rigs.len() >= wanted {
             break;
         }
-        sat += some.len();
+        drawn += some.len();
         let more: Vec<Played> = some.par_iter().filter_map(|seed| one(*seed)).collect();
         bar.inc(more.len() as u64);
         rigs.extend(more);
@@ -245,7 +245,7 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
         }
     }
     println!(
-        "{} rigs with an ambiguous first record among {sat}\n",
+        "{} rigs with an ambiguous first record among {drawn}\n",
         rigs.len()
     );
     println!("| after at most {TESTS} tests | by design | by fixed advice |\n|---|---|---|");

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A signal that tells an actuator over frequency.
+/// A signal for measuring an actuator's frequency response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "options", derive(clap::ValueEnum))]
 pub enum SignalShape {

@@ -241,7 +241,7 @@ impl TestFile {
     fn warning_of_true_delay(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
-                "Nothing is declared of the actuator ([declared.actuator]): the compensation is told the simulated one's true {} ms.",
+                "Nothing is declared of the actuator ([declared.actuator]): the compensation uses the true delay of the simulated actuator, {} ms.",
                 self.config.compensation.delay_ms
             )
         })

@@ -1,4 +1,4 @@
-//! What an actuator does over frequency: gain, phase and coherence of displacement over command, and how much of the
+//! The frequency response of an actuator: gain, phase and coherence of displacement over command, and how much of the
 //! displacement is distortion of even and of odd order, and how much is noise.
 //!
 //! | look in | for |
@@ -23,7 +23,7 @@ use diagnosis::Recording;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// An actuator over frequency.
+/// The frequency response of an actuator.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FrequencyResponse {
     /// Lines at which the command moves, ascending.

@@ -52,7 +52,7 @@ enum Survey {
         #[arg(long, value_enum, default_value_t = watch::Lot::Sound, requires = "write")]
         lot: watch::Lot,
     },
-    /// What the rig watch says of records of actuators that other people made, beside the diagnosis of the same records
+    /// What the rig watch says of third-party records of actuators, beside the diagnosis of the same records
     Records,
     /// Try the interlocks on this many sound tests, and on a quarter as many in which something breaks
     Monitor {

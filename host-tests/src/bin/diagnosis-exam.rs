@@ -10,7 +10,7 @@
 use clap::Parser;
 use exam::Class;
 use host_tests::exam::plan::{Item, SEALED, TUNING};
-use host_tests::exam::sit::{Sat, sit};
+use host_tests::exam::run::{GradedRecord, run_exam};
 use host_tests::exam::tally::said;
 use host_tests::exam::{Answer, Mark, Plan, Report, examinee, export};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -159,14 +159,14 @@ fn work(
     plan: &Plan,
     list: bool,
     examinee: impl Fn(&Item, &exam::Paper) -> Result<Answer, String> + Sync,
-) -> Result<Vec<Sat>, String> {
+) -> Result<Vec<GradedRecord>, String> {
     let bar = ProgressBar::new(plan.items.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} records, {eta} to go") {
         bar.set_style(style);
     }
-    let all = sit(&plan.items, examinee, |sat| {
+    let all = run_exam(&plan.items, examinee, |graded| {
         bar.inc(1);
-        if let Some(text) = line(sat).filter(|_| list) {
+        if let Some(text) = line(graded).filter(|_| list) {
             bar.suspend(|| println!("{text}"));
         }
     });
@@ -175,7 +175,7 @@ fn work(
 }
 
 /// A record whose answer was not exact.
-fn line(s: &Sat) -> Option<String> {
+fn line(s: &GradedRecord) -> Option<String> {
     if s.grade.mark == Mark::Exact {
         return None;
     }
@@ -210,7 +210,7 @@ fn line(s: &Sat) -> Option<String> {
     ))
 }
 
-fn show(plan: &Plan, all: &[Sat], json: Option<&Path>) -> Result<(), String> {
+fn show(plan: &Plan, all: &[GradedRecord], json: Option<&Path>) -> Result<(), String> {
     let report = Report::new(all);
     println!(
         "{} records, seeds {}..{} ({})",

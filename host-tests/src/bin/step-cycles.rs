@@ -1,4 +1,4 @@
-//! Where the cycles of a control step go with a method of compensation: the dearest step of a test, by the model of the
+//! Where the cycles of a control step go with a method of compensation: the most expensive step of a test, by the model of the
 //! board's core and flash.
 //!
 //!     cargo run -p host-tests --release --bin step-cycles -- paper+afp --storeys 3
@@ -6,15 +6,15 @@
 use clap::Parser;
 use comfy_table::{Table, presets};
 use host_tests::qemu::cycles::{Code, Course};
-use host_tests::qemu::dearest::{dearest, dearest_watched};
 use host_tests::qemu::image::image;
+use host_tests::qemu::most_expensive::{most_expensive, most_expensive_watched};
 use host_tests::qemu::spent::{Grain, Share, places};
 use outerloop_core::Method;
 use outerloop_core::watch::Actions;
 use std::error::Error;
 use std::path::Path;
 
-/// Cycles of the dearest step, by function and by line of core.
+/// Cycles of the most expensive step, by function and by line of core.
 #[derive(Parser)]
 struct Arguments {
     /// Method of compensation, as in a test file.
@@ -42,12 +42,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let method = arguments.method;
     let watched = arguments.watched.then(Actions::default);
     let course = match arguments.storeys {
-        1 if watched.is_some() => dearest_watched::<1>(&image, &code, method, watched)?,
-        2 if watched.is_some() => dearest_watched::<2>(&image, &code, method, watched)?,
-        _ if watched.is_some() => dearest_watched::<3>(&image, &code, method, watched)?,
-        1 => dearest::<1>(&image, &code, method)?,
-        2 => dearest::<2>(&image, &code, method)?,
-        _ => dearest::<3>(&image, &code, method)?,
+        1 if watched.is_some() => most_expensive_watched::<1>(&image, &code, method, watched)?,
+        2 if watched.is_some() => most_expensive_watched::<2>(&image, &code, method, watched)?,
+        _ if watched.is_some() => most_expensive_watched::<3>(&image, &code, method, watched)?,
+        1 => most_expensive::<1>(&image, &code, method)?,
+        2 => most_expensive::<2>(&image, &code, method)?,
+        _ => most_expensive::<3>(&image, &code, method)?,
     };
     let cost = course.cost;
     println!(

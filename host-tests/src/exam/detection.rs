@@ -2,7 +2,7 @@
 
 use super::grade::Mark;
 use super::plan::DETECTION_SIZES;
-use super::sit::Sat;
+use super::run::GradedRecord;
 use super::tally::Tally;
 
 /// One size.
@@ -21,7 +21,7 @@ pub struct Point {
 }
 
 /// Every size that the exam had records of.
-pub fn detection(all: &[Sat]) -> Vec<Point> {
+pub fn detection(all: &[GradedRecord]) -> Vec<Point> {
     DETECTION_SIZES
         .iter()
         .filter_map(|&size| {

@@ -1,6 +1,6 @@
 //! The exam of the diagnosis: questions from the crate `exam`, answers in the shape of `diagnose --json`, one table.
 //!
-//! Anything that turns a [`exam::Paper`] into an [`Answer`] can sit it: the diagnosis, a peer's answers from a file, or
+//! Anything that turns a [`exam::Paper`] into an [`Answer`] can take it: the diagnosis, a peer's answers from a file, or
 //! the made-up examinees of the tests here. Only [`grade`] and what follows it look at the key.
 
 pub mod answer;
@@ -10,7 +10,7 @@ pub mod export;
 pub mod grade;
 pub mod plan;
 pub mod report;
-pub mod sit;
+pub mod run;
 pub mod tally;
 
 pub use answer::{Answer, ChannelAnswer};

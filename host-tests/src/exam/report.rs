@@ -2,7 +2,7 @@
 
 use super::detection::{Point, detection};
 use super::grade::Mark;
-use super::sit::Sat;
+use super::run::GradedRecord;
 use super::tally::{Tally, estimates, median, quantile};
 use comfy_table::{Table, presets::UTF8_HORIZONTAL_ONLY};
 use exam::Class;
@@ -88,7 +88,7 @@ impl Target {
 /// All figures of an exam.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
-    all: &'a [Sat],
+    all: &'a [GradedRecord],
     /// The targets, in the order of the task.
     pub targets: Vec<Target>,
     /// The detection limit.
@@ -97,7 +97,7 @@ pub struct Report<'a> {
 
 impl<'a> Report<'a> {
     /// Adds up the records.
-    pub fn new(all: &'a [Sat]) -> Self {
+    pub fn new(all: &'a [GradedRecord]) -> Self {
         Self {
             all,
             targets: targets(all),
@@ -122,7 +122,7 @@ impl<'a> Report<'a> {
 
     /// What is aimed at on sealed exams, and by how much it is missed, as a table in Markdown.
     pub fn aim_table(&self) -> String {
-        let nominal = |s: &Sat| s.item.detection.is_none();
+        let nominal = |s: &GradedRecord| s.item.detection.is_none();
         let share = |of: &dyn Fn(Class) -> bool, is: &dyn Fn(Mark) -> bool| {
             let tally = Tally::over(self.all, |s| nominal(s) && of(s.item.class));
             Figure {
@@ -261,7 +261,7 @@ fn table<T: ToString>(heads: &[T]) -> Table {
     table
 }
 
-fn targets(all: &[Sat]) -> Vec<Target> {
+fn targets(all: &[GradedRecord]) -> Vec<Target> {
     use Wanted::{AtMost, ShareAtLeast, ShareAtMost, ShareBetween};
     let of = |class| Tally::of(all, class);
     let (matched, unseen, clean) = (of(Class::Matched), of(Class::Unseen), of(Class::Clean));

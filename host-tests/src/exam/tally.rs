@@ -1,24 +1,24 @@
 //! What the answers of an exam add up to.
 
 use super::grade::Mark;
-use super::sit::Sat;
+use super::run::GradedRecord;
 use exam::{Channel, Class};
 use std::collections::BTreeMap;
 
 /// Shares and distributions over some records.
 #[derive(Clone, Debug)]
 pub struct Tally<'a> {
-    records: Vec<&'a Sat>,
+    records: Vec<&'a GradedRecord>,
 }
 
 impl<'a> Tally<'a> {
     /// Over the records of a class at nominal size.
-    pub fn of(all: &'a [Sat], class: Class) -> Self {
+    pub fn of(all: &'a [GradedRecord], class: Class) -> Self {
         Self::over(all, |s| s.item.class == class && s.item.detection.is_none())
     }
 
     /// Over all that `take` takes.
-    pub fn over(all: &'a [Sat], take: impl Fn(&Sat) -> bool) -> Self {
+    pub fn over(all: &'a [GradedRecord], take: impl Fn(&GradedRecord) -> bool) -> Self {
         Self {
             records: all.iter().filter(|s| take(s)).collect(),
         }
@@ -107,7 +107,7 @@ impl<'a> Tally<'a> {
         rows
     }
 
-    fn channels(&self) -> impl Iterator<Item = (&'a Sat, Channel)> {
+    fn channels(&self) -> impl Iterator<Item = (&'a GradedRecord, Channel)> {
         self.records
             .iter()
             .flat_map(|s| Channel::ALL.map(move |c| (*s, c)))
@@ -135,7 +135,7 @@ impl Estimate {
 }
 
 /// Every interval of a record that can be judged.
-pub fn estimates(s: &Sat) -> Vec<Estimate> {
+pub fn estimates(s: &GradedRecord) -> Vec<Estimate> {
     let Ok(answer) = &s.answer else {
         return Vec::new();
     };
@@ -172,7 +172,7 @@ pub struct Row {
 }
 
 /// The answer in short: `specimen: drift?offset; actuator: unknown`; channels with `none` are left out.
-pub fn said(s: &Sat) -> String {
+pub fn said(s: &GradedRecord) -> String {
     let answer = match &s.answer {
         Ok(answer) => answer,
         Err(sentence) => return format!("refused: {sentence}"),

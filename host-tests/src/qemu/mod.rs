@@ -5,9 +5,9 @@
 
 pub mod bench;
 pub mod cycles;
-pub mod dearest;
 pub mod image;
 pub mod machine;
+pub mod most_expensive;
 pub mod profile;
 pub mod spent;
 pub mod traced;

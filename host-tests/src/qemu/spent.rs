@@ -26,7 +26,7 @@ pub enum Grain {
     Line,
 }
 
-/// The places of a step in the source, the dearest first.
+/// The places of a step in the source, the most expensive first.
 ///
 /// # Errors
 /// The image cannot be read.

@@ -1,4 +1,4 @@
-//! The rig watch over records of real actuators that other people made, beside what is known of them.
+//! The rig watch over third-party records of real actuators, beside what is known of them.
 
 use crate::outside::{lot, watched};
 use experiment::failure::Failure;

@@ -2,8 +2,10 @@
 
 use firmware::step_time::CORRECTION_CYCLES;
 use host_tests::qemu::cycles::{Code, Cost};
-use host_tests::qemu::dearest::{dearest, dearest_stop, dearest_watched};
 use host_tests::qemu::image::image;
+use host_tests::qemu::most_expensive::{
+    most_expensive, most_expensive_stop, most_expensive_watched,
+};
 use outerloop_cli::board::desk::{MODEL_CYCLES, methods};
 use outerloop_core::Method;
 use outerloop_core::watch::{Actions, Corrections};
@@ -54,9 +56,9 @@ fn cycles_of_a_step_with_every_method() {
     let mut missed: [[Vec<(String, u64)>; 2]; 2] = Default::default();
     for method in methods() {
         let costs = [
-            dearest::<1>(&image, &code, method),
-            dearest::<2>(&image, &code, method),
-            dearest::<3>(&image, &code, method),
+            most_expensive::<1>(&image, &code, method),
+            most_expensive::<2>(&image, &code, method),
+            most_expensive::<3>(&image, &code, method),
         ]
         .map(|course| course.unwrap().cost);
         let [one, two, three] = costs;
@@ -148,7 +150,7 @@ fn watched<const N: usize>(image: &Path, code: &Code) -> [Cost; 3] {
         ..acts
     };
     [None, Some(holds), Some(acts)].map(|watched| {
-        let course = dearest_watched::<N>(image, code, Method::Paper, watched);
+        let course = most_expensive_watched::<N>(image, code, Method::Paper, watched);
         course.unwrap().cost
     })
 }
@@ -192,10 +194,10 @@ const BEHIND_MOST: [u64; 2] = [60, 440];
 /// for something else than before.
 fn behind<const N: usize>(image: &Path, every: &Code, orders: &Code) -> [u64; 3] {
     let [without, with] = [None, Some(Actions::default())].map(|watched| {
-        let course = dearest_watched::<N>(image, every, Method::Paper, watched);
+        let course = most_expensive_watched::<N>(image, every, Method::Paper, watched);
         course.unwrap().cost.cycles
     });
-    let stop = dearest_stop::<N>(image, orders).unwrap().cost.cycles;
+    let stop = most_expensive_stop::<N>(image, orders).unwrap().cost.cycles;
     assert!(with > without && stop > 0, "{without} {with} {stop}");
     [without, with, with + stop]
 }

@@ -4,7 +4,7 @@
 use exam::effect::LIST;
 use exam::{Channel, Class};
 use host_tests::exam::plan::{Item, TUNING};
-use host_tests::exam::sit::sit;
+use host_tests::exam::run::run_exam;
 use host_tests::exam::tally::{Tally, estimates, median, said};
 use host_tests::exam::{Mark, Plan, examinee};
 
@@ -19,7 +19,7 @@ fn the_diagnosis_passes_a_glance_at_its_exam() {
         Class::Outside => i.seed < 9,
         Class::Two | Class::Confounded => i.seed < 8,
     });
-    let all = sit(&plan.items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    let all = run_exam(&plan.items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
     for s in all.iter().filter(|s| s.grade.mark != Mark::Exact) {
         println!(
             "{}-{} {:?}: {}",
@@ -80,7 +80,7 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
     };
     let seeds = of("dead_band").chain(of("saturation"));
     let items: Vec<Item> = seeds.map(|seed| one(seed as u64)).collect();
-    let all = sit(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
     assert_eq!(all.len(), 8);
     for s in &all {
         assert!(s.grade.mark.is_right(), "{}: {}", s.item.seed, said(s));
@@ -98,7 +98,7 @@ fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_no
         "clean-7000072",
     ];
     let items = ids.map(|id| Item::from_id(id).unwrap());
-    let all = sit(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
     for s in &all {
         assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
     }

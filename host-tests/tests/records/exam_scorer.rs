@@ -3,7 +3,7 @@
 use exam::{Class, Key, set};
 use host_tests::exam::answer::{Effect, Error, Value};
 use host_tests::exam::plan::{Item, TUNING};
-use host_tests::exam::sit::sit;
+use host_tests::exam::run::run_exam;
 use host_tests::exam::{Answer, ChannelAnswer, Plan, Report};
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -24,7 +24,7 @@ fn keys() -> &'static [(Item, Key)] {
 /// Answers made from the key by `verdict`, one channel at a time.
 fn answers(verdict: impl Fn(&Item, &exam::ChannelKey) -> ChannelAnswer + Sync) -> Vec<Option<f64>> {
     let keys = keys();
-    let all = sit(
+    let all = run_exam(
         &plan(),
         |item, _| {
             let key = keys.iter().find(|(of, _)| of == item);

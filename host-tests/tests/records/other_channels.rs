@@ -1,4 +1,4 @@
-//! A channel that took no part, and a dial, on records that other people made: what both must say is known there by other means
+//! An unused channel, and a dial, on third-party records: what both must say is known there by other means
 //! (`outside2/README.md` of the data).
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 

@@ -1,4 +1,4 @@
-//! The diagnosis on records that other people made, with known causes (`outside/cases.toml` says which names are right).
+//! The diagnosis on third-party records with known causes (`outside/cases.toml` says which names are right).
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Verdict};

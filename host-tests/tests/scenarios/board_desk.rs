@@ -7,7 +7,8 @@ use firmware::station::{Flash, Ring, TEST_BYTES};
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::BoardTest;
 use link::status::StartCause;
-use outerloop_cli::board::desk::{self, DeskRow, Leaves, Mishap, RowVerdict};
+use outerloop_cli::board::desk::incident::{self, Incident, Leaves};
+use outerloop_cli::board::desk::{self, DeskRow, RowVerdict};
 use outerloop_cli::board::{BoardConnection, Connection, Port, Timeouts, status};
 use std::cell::RefCell;
 use std::pin::pin;
@@ -21,11 +22,11 @@ fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
     let port: Box<dyn Port> = Box::new(loopback);
     let mut board: BoardConnection = Connection::new(port, QUICK);
     let expected = (
-        Mishap::Reset,
+        Incident::Reset,
         "a reset",
         Leaves::Start(StartCause::Pin, None),
     );
-    let row = desk::mishap(&mut board, expected, |_, board| {
+    let row = incident::row(&mut board, expected, |_, board| {
         // 300 looks of 20 steps, 3 s: the board gives up after half a one.
         for _ in 0..300 {
             board.listen()?;
@@ -109,7 +110,7 @@ fn after_each_step(chip: Rc<RefCell<Chip>>) -> FaultInjection {
     Box::new(move |loopback: &mut Loopback| {
         chip.borrow_mut().go_on(loopback);
         let next = after_each_step(Rc::clone(&chip));
-        loopback.mishaps.push_back((0, next));
+        loopback.incidents.push_back((0, next));
     })
 }
 
@@ -127,7 +128,7 @@ fn saves(held_up_cycles: u32) -> (DeskRow, u32) {
     }));
     let mut loopback = loopback(&test);
     let happens = after_each_step(Rc::clone(&chip));
-    loopback.mishaps.push_back((0, happens));
+    loopback.incidents.push_back((0, happens));
     let port: Box<dyn Port> = Box::new(loopback);
     let mut connection: BoardConnection = Connection::new(port, Timeouts::BOARD);
     let row = desk::saves(&mut connection);

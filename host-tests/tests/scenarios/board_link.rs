@@ -134,11 +134,11 @@ fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit()
         ("force", &["limits.force_n=1500"], None),
         ("tracking", &["limits.tracking_m=0.0005"], None),
     ];
-    for (name, overrides, mishap) in cases {
+    for (name, overrides, incident) in cases {
         let t = test(overrides);
         let mut board = loopback(&t);
-        if let Some(happen) = mishap {
-            board.mishaps.push_back((9000, Box::new(happen)));
+        if let Some(happen) = incident {
+            board.incidents.push_back((9000, Box::new(happen)));
         }
         let run = run_on(&t, board).unwrap();
         assert_eq!(run.summary.trip, Some(name), "{}", run.summary.sentence());
@@ -347,7 +347,7 @@ fn a_piston_that_stands_elsewhere_than_it_is_read_is_not_armed() {
     let t = test(&[]);
     let mut board = loopback(&t);
     let (person, lines) = channel();
-    board.mishaps.push_back((
+    board.incidents.push_back((
         700,
         Box::new(move |_| person.send("14.5".to_owned()).unwrap()),
     ));
@@ -388,7 +388,7 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
     // Steps of the board: nothing is armed before it is said where the piston stands, nothing begins before Enter, nothing goes on
     // before Enter.
-    board.mishaps.extend([
+    board.incidents.extend([
         (700, types("")),
         (800, types("0.2")),
         (2900, types("no")),

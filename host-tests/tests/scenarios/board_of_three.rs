@@ -133,7 +133,7 @@ fn a_step_that_is_lost_on_its_way_makes_no_error_at_any_floor() {
     let t = test(&[]);
     let mut lossy = loopback(&t);
     let lose: FaultInjection<3> = Box::new(|b| b.drop_frames = 1);
-    lossy.mishaps.push_back((6000, lose));
+    lossy.incidents.push_back((6000, lose));
     let [whole, lossy] = [loopback(&t), lossy].map(|board| run(&t, board, 3).unwrap().summary);
     assert!(lossy.board.as_ref().unwrap().steps_lost > 0);
     assert_eq!(lossy.verdict, TestVerdict::Completed);
@@ -173,7 +173,7 @@ fn falls_when_all_stand(duration_s: f64) {
                 seen.lock().unwrap().push(board.code);
             }
         };
-        board.mishaps.push_back((step, Box::new(look)));
+        board.incidents.push_back((step, Box::new(look)));
     }
     let summary = run(&t, board, 3).unwrap().summary;
     let (ended, why) = (summary.verdict, summary.sentence());
@@ -212,7 +212,7 @@ fn a_rail_on_any_actuator_trips_the_test_and_a_converter_out_of_its_range_too() 
                     l.board.hardware.broken.codes,
                 ) = (actuator, Some(codes));
             };
-            broken.mishaps.push_back((8000, Box::new(happen)));
+            broken.incidents.push_back((8000, Box::new(happen)));
             let run = run(&t, broken, 3).unwrap();
             let board = run.summary.board.as_ref().unwrap();
             assert_eq!(board.trip, Some(Fault::AdcRail), "actuator {actuator}");
@@ -231,7 +231,7 @@ fn the_last_actuators_force_is_watched_and_named() {
         let broken = &mut l.board.hardware.broken;
         (broken.actuator, broken.codes) = (2, Some([4095, code]));
     };
-    pushed.mishaps.push_back((8000, Box::new(happen)));
+    pushed.incidents.push_back((8000, Box::new(happen)));
     let run = run(&t, pushed, 3).unwrap();
     let trip = run.summary.trip_detail.unwrap();
     assert_eq!((trip.fault, trip.axis), (Fault::Force, 2));
@@ -383,7 +383,7 @@ fn a_wire_that_breaks_at_another_actuator_stops_the_one_that_moves_and_is_named(
             let broken = &mut l.board.hardware.broken;
             (broken.actuator, broken.codes) = (2, Some(codes));
         };
-        broken.mishaps.push_back((6000, Box::new(happen)));
+        broken.incidents.push_back((6000, Box::new(happen)));
         let mut connection = connect(broken);
         let played = commission(&t, &mut connection, 0).unwrap();
         let early = played.early.unwrap();
@@ -435,7 +435,7 @@ fn a_dead_output_of_any_actuator_is_told_from_a_valve_that_does_not_follow() {
         let happen = move |l: &mut Loopback<3>| {
             l.board.hardware.board.dead_output = Some(actuator);
         };
-        dead.mishaps.push_back((8000, Box::new(happen)));
+        dead.incidents.push_back((8000, Box::new(happen)));
         let run = run(&t, dead, 3).unwrap();
         let board = run.summary.board.as_ref().unwrap();
         let further = board.further.as_ref().unwrap();

@@ -146,7 +146,7 @@ fn a_cut_wire_is_told_and_what_came_before_it_is_kept() {
     let t = test("stop_and_go");
     let mut rig = served(&t, |board| {
         let cut: host_tests::loopback::FaultInjection = Box::new(|b| b.cut = true);
-        board.mishaps.push_back((4000, cut));
+        board.incidents.push_back((4000, cut));
     });
     let (forces, summary, trace) = session(&t, rig.as_mut(), &swing(400));
     assert_eq!(summary.verdict, SessionVerdict::RigLost);
@@ -173,9 +173,9 @@ fn a_board_that_starts_again_under_a_client_is_told_at_once() {
             let waited = Arc::clone(&waited);
             let late: host_tests::loopback::FaultInjection =
                 Box::new(move |_| waited.store(true, Relaxed));
-            b.mishaps.push_back((10_000, late));
+            b.incidents.push_back((10_000, late));
         });
-        board.mishaps.push_back((board.steps + 4000, fresh));
+        board.incidents.push_back((board.steps + 4000, fresh));
     });
     let (forces, summary, _) = session(&t, rig.as_mut(), &swing(400));
     assert_eq!(summary.verdict, SessionVerdict::RigLost);
@@ -200,7 +200,7 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
         let (whole, ..) = session(&t, served(&t, |_| {}).as_mut(), &swing(200));
         let mut rig = served(&t, |board| {
             let lose: host_tests::loopback::FaultInjection = Box::new(|b| b.drop_frames = 1);
-            board.mishaps.push_back((2500, lose));
+            board.incidents.push_back((2500, lose));
         });
         let (forces, summary, _) = session(&t, rig.as_mut(), &swing(200));
         let apart = forces.iter().zip(&whole).filter(|(f, _)| f.is_finite());

@@ -2,8 +2,8 @@
 #![allow(missing_docs)]
 
 mod board_desk;
+mod board_incidents;
 mod board_link;
-mod board_mishaps;
 mod board_of_three;
 mod board_served;
 mod comparison_table;

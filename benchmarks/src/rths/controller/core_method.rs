@@ -1,4 +1,4 @@
-//! Core's methods, in f32 as they fly: behind the problem's numerical part, or with core's own integration.
+//! Core's methods, in f32 as on the board: behind the problem's numerical part, or with core's own integration.
 
 use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::Refused;

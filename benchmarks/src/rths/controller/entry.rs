@@ -1,4 +1,4 @@
-//! Who is on trial, by name.
+//! The controllers under test, by name.
 
 use super::core_method::CoreLoops;
 use super::core_method::CoreSetup;

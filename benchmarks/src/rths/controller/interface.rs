@@ -15,7 +15,7 @@ pub struct ControllerInput {
     pub force_n: f64,
 }
 
-/// A controller on trial, at rest when it is made.
+/// A controller under test, at rest when it is made.
 pub trait Controller: Send {
     /// One sample; the command is held until the next, m.
     fn command_m(&mut self, seen: &ControllerInput) -> f64;

@@ -21,7 +21,7 @@ use std::time::Instant;
 
 #[derive(clap::Args, Debug)]
 pub(super) struct Rths {
-    /// Whose rules: the problem's, or those of our earlier tables
+    /// Rules: the problem's own, or a simpler set in which core integrates, the numerical part is nominal and criteria are root mean squares
     #[arg(long, default_value = "official", value_name = "official|own")]
     rules: String,
     /// Deviations of published codes, separated by commas: no-unit-delay, nominal-numerical-part, root-mean-square,

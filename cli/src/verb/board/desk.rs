@@ -1,7 +1,8 @@
 //! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
 
 use crate::answer::of_desk;
-use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
+use crate::board::desk::incident::{self, INCIDENTS, Incident};
+use crate::board::desk::{self, DeskRow, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
@@ -38,7 +39,7 @@ pub(super) struct Desk {
     /// How long the whole closed loop is, s
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = seconds)]
     duration: f64,
-    /// A program that does to the chip what no serial port can, by a debug probe: it is called with `drill N` or `reset`
+    /// Debug-probe helper, called with `drill N` or `reset`
     #[arg(long, value_name = "PROGRAM", conflicts_with = "emulated")]
     probe: Option<PathBuf>,
     /// A line for the page, e.g. the board's number and the hash of what was flashed; as many as are wanted
@@ -121,12 +122,12 @@ impl Desk {
         self.place.kind() == RigKind::Emulated
     }
 
-    fn connect(&self, mishap: Option<Mishap>) -> Result<BoardConnection, Failure> {
+    fn connect(&self, incident: Option<Incident>) -> Result<BoardConnection, Failure> {
         let port: Box<dyn Port> = match self.place.serial()? {
             Some(port) => port,
             None => {
                 let image = self.image.unwrap_or_default();
-                Box::new(Emulated::start(&EmulatedRig::on_desk(image, mishap)?)?)
+                Box::new(Emulated::start(&EmulatedRig::on_desk(image, incident)?)?)
             }
         };
         Ok(Connection::new(port, Timeouts::BOARD))
@@ -183,7 +184,7 @@ impl Desk {
         rows.push(whole);
         rows.push(desk::forget(&mut board));
         drop(board);
-        rows.extend(self.mishaps()?);
+        rows.extend(self.incidents()?);
         rows.push(DeskRow::not_done(
             "levels of the pins in reset, the trigger lines, the converters' accuracy",
             "not done: only a scope on the metal shows them, see docs/hil.md",
@@ -200,24 +201,24 @@ impl Desk {
     }
 
     /// Each on a board of its own, or one after the other on the one at the port.
-    fn mishaps(&self) -> Result<Vec<DeskRow>, Failure> {
+    fn incidents(&self) -> Result<Vec<DeskRow>, Failure> {
         let mut rows = Vec::new();
-        for expected in MISHAPS {
+        for expected in INCIDENTS {
             if interrupt::asked() {
                 break;
             }
-            let (mishap, name, ..) = expected;
+            let (incident, name, ..) = expected;
             rows.push(match (&self.probe, self.is_emulated()) {
                 (None, false) => DeskRow::not_done(
                     &format!("in a running test: {name}"),
                     "not done: it needs a debug probe (--probe, scripts/desk has one)",
                 ),
                 (probe, _) => {
-                    let mut board = self.connect(Some(mishap))?;
-                    desk::mishap(&mut board, expected, |mishap, board| match probe {
+                    let mut board = self.connect(Some(incident))?;
+                    incident::row(&mut board, expected, |incident, board| match probe {
                         // The laboratory of the emulated board does it by itself.
                         None => Ok(()),
-                        Some(program) => by_probe(program, mishap, board),
+                        Some(program) => by_probe(program, incident, board),
                     })
                 }
             });
@@ -229,12 +230,12 @@ impl Desk {
 /// A probe takes its time, and a board that hears nothing from the PC for half a second gives it up.
 fn by_probe(
     program: &std::path::Path,
-    mishap: Mishap,
+    incident: Incident,
     board: &mut BoardConnection,
 ) -> Result<(), Failure> {
-    let arguments = match mishap {
-        Mishap::Drill(number) => vec!["drill".into(), number.to_string()],
-        Mishap::Reset => vec!["reset".into()],
+    let arguments = match incident {
+        Incident::Drill(number) => vec!["drill".into(), number.to_string()],
+        Incident::Reset => vec!["reset".into()],
     };
     let called = format!("{} {}", program.display(), arguments.join(" "));
     let cannot = |why: String| Failure::test(format!("--probe: `{called}`: {why}"));

@@ -1,5 +1,4 @@
-//! A clock that runs otherwise than another: what is left is the speed of the answer times the time since the two were
-//! right.
+//! Two clocks that run at different rates: what is left is the speed of the answer times the time since the two agreed.
 
 use super::columns::Moves;
 use crate::numbers::linear::{dot, gram, stacked};
@@ -20,7 +19,7 @@ const LEAVES_OF_FRICTION: f64 = 0.8;
 /// Gives of that friction, over half the range of the motion.
 const GIVES: [f64; 2] = [0.02, 0.1];
 
-/// A clock of the output that runs otherwise than that of the input.
+/// The output's clock runs at another rate than the input's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// By which share of the time the output comes later and later; earlier where it is negative.

@@ -20,14 +20,14 @@ const REACHED_STEPS: u32 = 10_000;
 /// What is done to a board from outside in the middle of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Mishap {
+pub enum Incident {
     /// A drill of the firmware, by a write into its memory.
     Drill(u32),
     /// The reset pin.
     Reset,
 }
 
-/// What a mishap has to leave.
+/// What an incident has to leave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaves {
     /// The board starts again, and says how, and of what it died.
@@ -37,63 +37,63 @@ pub enum Leaves {
 }
 
 /// What can happen, with what each has to leave.
-pub const MISHAPS: [(Mishap, &str, Leaves); 9] = [
+pub const INCIDENTS: [(Incident, &str, Leaves); 9] = [
     (
-        Mishap::Drill(1),
+        Incident::Drill(1),
         "a panic",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::Panic)),
     ),
     (
-        Mishap::Drill(2),
+        Incident::Drill(2),
         "an undefined instruction",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::HardFault)),
     ),
     (
-        Mishap::Drill(3),
+        Incident::Drill(3),
         "a stack without end",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::StackOverflow)),
     ),
     (
-        Mishap::Drill(4),
+        Incident::Drill(4),
         "a task that starves the others",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::Starved)),
     ),
     (
-        Mishap::Drill(5),
+        Incident::Drill(5),
         "interrupts off for good",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::Silent)),
     ),
     (
-        Mishap::Drill(6),
+        Incident::Drill(6),
         "a step that takes too long",
         Leaves::Trip(Fault::DeadlineMissed),
     ),
     (
-        Mishap::Drill(7),
+        Incident::Drill(7),
         "the external clock's guard",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::ClockStopped)),
     ),
     (
-        Mishap::Drill(8),
+        Incident::Drill(8),
         "the supply's guard",
         Leaves::Start(StartCause::Watchdog, Some(CrashCause::LowSupply)),
     ),
     (
-        Mishap::Reset,
+        Incident::Reset,
         "the reset pin",
         Leaves::Start(StartCause::Pin, None),
     ),
 ];
 
 /// A running test in which `happens` comes, while it listens to the board; how the board is behind it.
-pub fn mishap(
+pub fn row(
     board: &mut BoardConnection,
-    (mishap, name, leaves): (Mishap, &str, Leaves),
-    happens: impl FnOnce(Mishap, &mut BoardConnection) -> Result<(), Failure>,
+    (incident, name, leaves): (Incident, &str, Leaves),
+    happens: impl FnOnce(Incident, &mut BoardConnection) -> Result<(), Failure>,
 ) -> DeskRow {
     let found = (|| {
         run_until_moving(board)?;
-        happens(mishap, board)?;
+        happens(incident, board)?;
         match leaves {
             Leaves::Start(started, cause) => {
                 until_reset(board)?;

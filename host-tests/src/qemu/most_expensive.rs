@@ -1,4 +1,4 @@
-//! The dearest step of a test with each method, for the cycle model.
+//! The most expensive step of a test with each method, for the cycle model.
 
 use super::bench::{rig, told};
 use super::cycles::{Code, Course};
@@ -49,25 +49,25 @@ fn scenario<const N: usize>(method: Method, physical: u8) -> Scenario {
     scenario
 }
 
-/// The dearest of the steps in which an integration step was solved.
+/// The most expensive of the steps in which an integration step was solved.
 ///
 /// # Errors
 /// The emulator or the image in it has gone.
 ///
 /// # Panics
 /// Where the trace has another number of steps than the test has control periods.
-pub fn dearest<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
+pub fn most_expensive<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
     of::<N>(image, code, &scenario::<N>(method, 1), None)
 }
 
 /// The same with an actuator at each storey; watched where the watch may do something.
 ///
 /// # Errors
-/// As [`dearest`].
+/// As [`most_expensive`].
 ///
 /// # Panics
-/// As [`dearest`].
-pub fn dearest_watched<const N: usize>(
+/// As [`most_expensive`].
+pub fn most_expensive_watched<const N: usize>(
     image: &Path,
     code: &Code,
     method: Method,
@@ -81,15 +81,15 @@ pub fn dearest_watched<const N: usize>(
 const PERIODS_OF_A_STOP: u32 = 4000;
 const STANDS_FROM: u32 = 3000;
 
-/// The dearest run of `code` in a test in which the watch asks for something else than before: it stops the test because a
+/// The most expensive run of `code` in a test in which the watch asks for something else than before: it stops the test because a
 /// displacement stands.
 ///
 /// # Errors
-/// As [`dearest`].
+/// As [`most_expensive`].
 ///
 /// # Panics
-/// As [`dearest`], and where the watch does not stop the test.
-pub fn dearest_stop<const N: usize>(image: &Path, code: &Code) -> Result<Course> {
+/// As [`most_expensive`], and where the watch does not stop the test.
+pub fn most_expensive_stop<const N: usize>(image: &Path, code: &Code) -> Result<Course> {
     let mut scenario = scenario::<N>(Method::Paper, N as u8);
     // The force goes on while the displacement stands: a specimen that yields might not.
     scenario.specimen.clear();
@@ -121,8 +121,8 @@ pub fn dearest_stop<const N: usize>(image: &Path, code: &Code) -> Result<Course>
     let (courses, records) = every::<N>(image, code, &test, PERIODS_OF_A_STOP, &script, rig)?;
     let fault = records.last().map(|words| words[2] >> 8 & 0xff);
     assert_eq!(fault, Some(u32::from(Fault::Watch.code())), "the fault");
-    let dearest = courses.into_iter().max_by_key(|c| c.cost.cycles);
-    dearest.ok_or(Error::other("no period"))
+    let most_expensive = courses.into_iter().max_by_key(|c| c.cost.cycles);
+    most_expensive.ok_or(Error::other("no period"))
 }
 
 fn of<const N: usize>(
@@ -140,6 +140,6 @@ fn of<const N: usize>(
     let method = scenario.config.compensation.kind;
     let courses = traced::<N>(image, code, &test, PERIODS, &script, rig(scenario, 1))?;
     assert!(courses.len() > 60, "{method}: {} solved", courses.len());
-    let dearest = courses.into_iter().max_by_key(|c| c.cost.cycles);
-    dearest.ok_or(Error::other("no step"))
+    let most_expensive = courses.into_iter().max_by_key(|c| c.cost.cycles);
+    most_expensive.ok_or(Error::other("no step"))
 }

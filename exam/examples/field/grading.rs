@@ -5,7 +5,7 @@ use exam::Parameter;
 use exam::field::{Believed, Field, Mark, Said, Span};
 
 /// A field record, answered and graded.
-pub struct Sat {
+pub struct GradedField {
     pub id: String,
     pub cause: &'static str,
     pub mark: Mark,
@@ -148,7 +148,7 @@ fn notes(found: &Diagnosis) -> Vec<String> {
 }
 
 /// Answers and grades a record.
-pub fn answer(field: Field) -> Sat {
+pub fn answer(field: Field) -> GradedField {
     let [train, test] = recordings(&field);
     let samples = train.time_s.len();
     let found = diagnosis::diagnose(&model(&field.believed), &[train], &[test], &[]);
@@ -188,7 +188,7 @@ pub fn answer(field: Field) -> Sat {
             (said, vouched.collect(), open.collect(), errors, d.seconds)
         }
     };
-    Sat {
+    GradedField {
         mark: field.truth.mark(&said),
         cause: field.truth.cause,
         id: field.id,

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 /// A record that has been answered and graded.
 #[derive(Clone, Debug)]
-pub struct Sat {
+pub struct GradedRecord {
     /// Which.
     pub item: Item,
     /// Its key.
@@ -27,26 +27,26 @@ pub struct Sat {
 ///
 /// # Errors
 /// A sentence where the machine has no thread to give.
-pub fn sit(
+pub fn run_exam(
     items: &[Item],
     examinee: impl Fn(&Item, &Paper) -> Result<Answer, String> + Sync,
-    done: impl Fn(&Sat) + Sync,
-) -> Result<Vec<Sat>, String> {
+    done: impl Fn(&GradedRecord) + Sync,
+) -> Result<Vec<GradedRecord>, String> {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
     let next = AtomicUsize::new(0);
-    let work = || -> Result<Vec<(usize, Sat)>, String> {
+    let work = || -> Result<Vec<(usize, GradedRecord)>, String> {
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let alone = alone.map_err(|e| format!("no thread for the exam: {e}"))?;
-        let mut sat = Vec::new();
+        let mut own = Vec::new();
         while let Some((i, item)) = {
             let i = next.fetch_add(1, Ordering::Relaxed);
             items.get(i).map(|item| (i, item))
         } {
             let one = alone.install(|| answered(item, &examinee));
             done(&one);
-            sat.push((i, one));
+            own.push((i, one));
         }
-        Ok(sat)
+        Ok(own)
     };
     let mut all = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
@@ -58,17 +58,20 @@ pub fn sit(
         Ok::<_, String>(all)
     })?;
     all.sort_by_key(|(i, _)| *i);
-    Ok(all.into_iter().map(|(_, sat)| sat).collect())
+    Ok(all.into_iter().map(|(_, graded)| graded).collect())
 }
 
-fn answered(item: &Item, examinee: &impl Fn(&Item, &Paper) -> Result<Answer, String>) -> Sat {
+fn answered(
+    item: &Item,
+    examinee: &impl Fn(&Item, &Paper) -> Result<Answer, String>,
+) -> GradedRecord {
     let case = set(item.class, item.seed, &item.options());
     let start = Clock::now();
     let answer = examinee(item, &case.paper);
     let seconds = start.seconds();
     let silence = Answer::default();
     let grade = grade(&case.key, answer.as_ref().unwrap_or(&silence));
-    Sat {
+    GradedRecord {
         item: *item,
         key: case.key,
         answer,

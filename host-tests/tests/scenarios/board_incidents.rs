@@ -15,7 +15,9 @@ use std::sync::mpsc::{Sender, channel};
 fn a_cut_link_keeps_what_was_received_and_says_so() {
     let t = test(&[]);
     let mut board = loopback(&t);
-    board.mishaps.push_back((9000, Box::new(|b| b.cut = true)));
+    board
+        .incidents
+        .push_back((9000, Box::new(|b| b.cut = true)));
     let run = run_on(&t, board).unwrap();
     assert_eq!(run.summary.trip, Some("link_lost"));
     let kept = run.trace.unwrap().len();
@@ -37,7 +39,7 @@ fn without_power_at(t: &TestFile, step: u64) -> (u64, FaultInjection) {
 fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
     let t = test(&[]);
     let mut board = loopback(&t);
-    board.mishaps.push_back(without_power_at(&t, 9000));
+    board.incidents.push_back(without_power_at(&t, 9000));
     let run = run_on(&t, board).unwrap();
     let (summary, trace) = (run.summary, run.trace.unwrap());
     assert_eq!(summary.trip, Some("link_lost"));
@@ -64,7 +66,7 @@ fn noise_on_the_line_and_a_board_that_hears_nothing_end_the_test_and_keep_it() {
     ] {
         let t = test(&[]);
         let mut board = loopback(&t);
-        board.mishaps.push_back((9000, happens));
+        board.incidents.push_back((9000, happens));
         let run = run_on(&t, board).unwrap();
         assert_eq!(run.summary.trip, Some("link_lost"));
         assert!(run.trace.unwrap().len() > 3000);
@@ -85,7 +87,7 @@ fn an_emergency_on_the_ramp_behind_a_test_is_told_and_stands() {
                 b.board.hardware.broken.stop_pressed = true;
             }
         };
-        board.mishaps.push_back((step, Box::new(happen)));
+        board.incidents.push_back((step, Box::new(happen)));
     }
     let run = run_on(&t, board).unwrap();
     assert_eq!(
@@ -102,7 +104,7 @@ fn a_signal_that_the_boards_button_ends_is_not_called_whole() {
     let t = test(&["plant.actuator.delay_ms=1"]);
     let mut board = loopback(&t);
     let press: FaultInjection = Box::new(|b| b.board.hardware.broken.hold_pressed = true);
-    board.mishaps.push_back((6000, press));
+    board.incidents.push_back((6000, press));
     let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
     let early = played.early.expect("a signal that was ended");
     assert_eq!(early, Played::BY_BUTTON);
@@ -113,7 +115,7 @@ fn a_signal_that_the_boards_button_ends_is_not_called_whole() {
 fn a_board_that_starts_again_in_a_signal_ends_it() {
     let t = test(&["plant.actuator.delay_ms=1"]);
     let mut board = loopback(&t);
-    board.mishaps.push_back(without_power_at(&t, 3000));
+    board.incidents.push_back(without_power_at(&t, 3000));
     let played = play_to_an_end(&mut connect(board), &t, &Trajectory::Formula(chirp()));
     let early = played.early.expect("a signal that was ended");
     assert!(early.contains("has started again"), "{early}");
@@ -124,7 +126,7 @@ fn lost_steps_are_counted_and_the_rest_is_kept() {
     let t = test(&[]);
     let mut board = loopback(&t);
     board
-        .mishaps
+        .incidents
         .push_back((9000, Box::new(|b| b.drop_frames = 3)));
     let run = run_on(&t, board).unwrap();
     let board = run.summary.board.as_ref().unwrap();
@@ -151,7 +153,7 @@ fn ramped(pressed: bool) -> u32 {
                 b.board.hardware.broken.stop_pressed = pressed;
             }
         };
-        board.mishaps.push_back((step, Box::new(happen)));
+        board.incidents.push_back((step, Box::new(happen)));
     }
     let run = run_on(&t, board).unwrap();
     assert_eq!(
@@ -188,7 +190,7 @@ fn a_test_that_is_held_while_the_keyboard_goes_is_stopped() {
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
     // The last line has the last end of the keyboard.
-    board.mishaps.extend([
+    board.incidents.extend([
         (700, types("", person.clone())),
         (800, types("0.2", person.clone())),
         (3000, types("", person)),
