@@ -159,7 +159,7 @@ mod tests {
     fn saved_settings_come_back(bench: Bench) {
         let mut store = Store::new(Flash::new(bench.p.FLASH, Irqs));
         let nothing = Config::shear_frame([1000.0], [158e3], [0.02]);
-        let test = Memory.test().unwrap_or(nothing);
+        let test = Memory.test().unwrap_or_else(|| nothing.into());
         let of_no_board = Wiring {
             calibration: Calibration::placeholder(&CODES),
             tops: [1, 1],

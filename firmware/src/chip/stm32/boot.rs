@@ -7,7 +7,7 @@ use super::board::Board;
 use super::control::{Control, ControlCell};
 use super::converters::{Converters, StartedConverters};
 use super::metal::{Metal, WATCHDOG_US, cycles, start_cycle_counter};
-use super::tasks::report::{self, Waiting};
+use super::tasks::report::{self, SharedService, Waiting};
 use super::tasks::{lights, listen};
 use super::{fatal, kept, stack_guard};
 use crate::board::this as wiring;
@@ -281,9 +281,11 @@ fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Boar
 
 /// The service where it stays: what it passes through is not on the stack any more when the tasks stand on the start.
 #[inline(never)]
-fn service(board: Facts, parts: Parts, in_force: (f32, f64)) -> &'static RefCell<Service> {
-    static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
-    SERVICE.init_with(|| RefCell::new(Service::new(board, parts, in_force)))
+fn service(board: Facts, parts: Parts, in_force: (f32, f64)) -> &'static SharedService {
+    static SERVICE: StaticCell<Service> = StaticCell::new();
+    static SHARED: StaticCell<SharedService> = StaticCell::new();
+    let service = SERVICE.init_with(|| Service::new(board, parts, in_force));
+    SHARED.init(RefCell::new(service))
 }
 
 /// The place for the next test.

@@ -1,10 +1,9 @@
 //! The task that receives commands.
 
-use super::report::ReplyQueue;
+use super::report::{ReplyQueue, SharedService};
 use crate::chip::stack::HighWater;
 use crate::chip::this::store::Store;
-use crate::station::{CommandResult, Heartbeat, Heartbeats, Outcome, Service, Wiring};
-use core::cell::RefCell;
+use crate::station::{CommandResult, Heartbeat, Heartbeats, Outcome, Wiring};
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::RingBufferedUartRx;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
@@ -24,7 +23,7 @@ const NAP: Duration = Duration::from_micros(200);
 /// What the task uses.
 pub struct Listener {
     /// Answers commands.
-    pub service: &'static RefCell<Service>,
+    pub service: &'static SharedService,
     /// What the control interrupt made of its orders.
     pub outcomes: Consumer<'static, Outcome>,
     /// Answers on their way out.

@@ -16,6 +16,9 @@ use link::message::Message;
 use link::reply::NumberedReply;
 use link::telemetry::{STEPS, StepReport};
 
+/// The service as the tasks share it. Behind a reference: made within the cell, it would stand twice on the stack.
+pub type SharedService = RefCell<&'static mut Service>;
+
 /// Answers on their way out.
 pub type ReplyQueue = Channel<NoopRawMutex, NumberedReply, 2>;
 
@@ -35,7 +38,7 @@ pub struct Reporter {
     /// Those that wait until they can be sent.
     pub waiting: &'static mut Waiting,
     /// Answers commands.
-    pub service: &'static RefCell<Service>,
+    pub service: &'static SharedService,
     /// Answers on their way out.
     pub answers: &'static ReplyQueue,
     /// Signs of life.
