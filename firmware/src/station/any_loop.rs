@@ -24,6 +24,16 @@ pub enum AnyLoop {
     Coupled(OuterLoop<2, CoupledRig>),
 }
 
+/// By itself: what it is worked out with must not lie on the stack beside the loop that is made of it.
+#[cfg(coupled)]
+#[inline(never)]
+fn coupled_design(
+    config: &Config,
+    coupled: &CoupledSettings<2>,
+) -> Result<Design<2, CoupledRig>, Refusal> {
+    Design::coupled(config, coupled)
+}
+
 /// Does `$body` with the loop, of whatever size.
 macro_rules! each_loop {
     ($any:expr, $outer:ident => $body:expr) => {
@@ -80,7 +90,7 @@ impl AnyLoop {
         config: &Config,
         coupled: &CoupledSettings<2>,
     ) -> Result<(), Refusal> {
-        *self = Self::Coupled(OuterLoop::new(Design::coupled(config, coupled)?));
+        *self = Self::Coupled(OuterLoop::new(coupled_design(config, coupled)?));
         Ok(())
     }
 
