@@ -54,3 +54,34 @@ fn the_lists_of_the_tiers_name_files_of_tests() {
     }
     assert!(lists >= 5, "{lists}");
 }
+
+/// A name that leads to no test would skip nothing, and run nothing at night.
+#[test]
+fn what_the_tiers_take_out_of_a_file_is_there() {
+    let text = std::fs::read_to_string(top().join("scripts/tiers")).unwrap();
+    let lists = ["nightly_tests=(", "nightly_emulated=(", "rig16_repeated=("];
+    let mut names = 0;
+    for line in text.lines() {
+        let list = lists.iter().find_map(|head| line.strip_prefix(head));
+        let Some(list) = list.and_then(|l| l.strip_suffix(')')) else {
+            continue;
+        };
+        for name in list.split_whitespace() {
+            let (module, test) = name.split_once("::").unwrap();
+            let folders = [
+                "cli/tests/verbs",
+                "host-tests/tests/records",
+                "emu/tests/rig",
+                "emu/tests/rig16",
+            ];
+            let there = folders.iter().any(|folder| {
+                let file = top().join(folder).join(module).with_extension("rs");
+                let text = std::fs::read_to_string(file);
+                text.is_ok_and(|t| t.contains(&format!("\nfn {test}")))
+            });
+            assert!(there, "{name}");
+            names += 1;
+        }
+    }
+    assert!(names >= 10, "{names}");
+}
