@@ -45,6 +45,45 @@
 //! assert!(outerloop_core::Design::<1>::new(&config).is_ok());
 //! ```
 //!
+//! A force law is given what was reached, and gives the equation of motion a force and a damping:
+//!
+//! ```
+//! use outerloop_core::own::{OwnMethods, Pod, Zeroable};
+//! use outerloop_core::{ActuatorContext, AxisLaw, AxisOutput, AxisStep};
+//!
+//! /// The measured force, carried from where the actuator is to the target with the declared stiffness.
+//! #[derive(Clone, Copy, Debug, Pod, Zeroable)]
+//! #[repr(C)]
+//! struct Carried;
+//!
+//! impl AxisLaw for Carried {
+//!     type Constants = f32; // N/m
+//!
+//!     fn design(context: &ActuatorContext<'_>) -> f32 {
+//!         context.stiffness_n_per_m as f32
+//!     }
+//!
+//!     fn at_rest(_: &f32) -> Self {
+//!         Self
+//!     }
+//!
+//!     fn act(&mut self, stiffness_n_per_m: &f32, reached: &AxisStep) -> AxisOutput {
+//!         let missing_m = reached.command_m - reached.displacement_m;
+//!         AxisOutput {
+//!             force_n: reached.force_n + stiffness_n_per_m * missing_m,
+//!             damping_n_s_per_m: 0.0,
+//!         }
+//!     }
+//! }
+//!
+//! static METHODS: OwnMethods = OwnMethods::NONE.with_force::<Carried>();
+//! METHODS.register().unwrap();
+//!
+//! let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
+//! config.compensation.kind = outerloop_core::Method::from_name("own-force").unwrap();
+//! assert!(outerloop_core::Design::<1>::new(&config).is_ok());
+//! ```
+//!
 //! `docs/recipes/own-method` is a crate with such a method that builds a tool of its own, an image for QEMU and one for the
 //! board.
 //!

@@ -6,7 +6,7 @@ use experiment::failure::Failure;
 use experiment::files::output;
 use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
-use host_tests::surveys::{monitor, verdicts, watch, watched_records};
+use host_tests::surveys::{coupled, monitor, verdicts, watch, watched_records};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -32,6 +32,9 @@ enum Survey {
         /// How many rigs
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
         rigs: u64,
+        /// Of two coupled actuators instead
+        #[arg(long)]
+        coupled: bool,
     },
     /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets. Exit
     /// status 1 where one of them is missed by more than docs/rig-watch-validation.md says, and by more than chance
@@ -85,7 +88,7 @@ struct WatchAnswer<'a> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let held = match arguments.survey {
-        Survey::Verdicts { rigs } => survey(rigs as usize, &arguments),
+        Survey::Verdicts { rigs, coupled } => survey((rigs as usize, coupled), &arguments),
         Survey::Monitor { tests } => monitor(tests as usize, &arguments),
         Survey::Watch {
             write: Some(ref folder),
@@ -321,8 +324,12 @@ fn records(arguments: &Arguments) -> Result<bool, Failure> {
 }
 
 /// The verdicts over many rigs; true where no test was called stable and ran away.
-fn survey(rigs: usize, arguments: &Arguments) -> Result<bool, Failure> {
-    let tests = verdicts::draw(rigs, arguments.seed);
+fn survey((rigs, of_coupled): (usize, bool), arguments: &Arguments) -> Result<bool, Failure> {
+    let tests = if of_coupled {
+        coupled::draw(rigs, arguments.seed)
+    } else {
+        verdicts::draw(rigs, arguments.seed)
+    };
     let progress = ProgressBar::new(rigs as u64);
     let cases = verdicts::run(&tests, || progress.inc(1))?;
     progress.finish_and_clear();

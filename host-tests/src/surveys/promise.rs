@@ -54,6 +54,7 @@ impl SurveyPromise {
         let over = not_stable - 100.0 * MOST_DOUBTFUL;
         let said = match self.ran_away_called_stable {
             0 if over <= 0.0 => "reached".to_owned(),
+            0 if self.of_them_amb == 0 => format!("missed by {over:.1} points"),
             0 => format!(
                 "missed by {over:.1} points: {} of them have `amb`, which is doubtful with its published gains beyond the motion \
                  that these are for",

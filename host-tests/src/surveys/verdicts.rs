@@ -4,10 +4,13 @@
 //! The test that counts is not the one that was looked at: it has other noise, twice.
 
 use experiment::Experiment;
+use experiment::compensation::Compensation;
+use experiment::coupled;
+use experiment::coupled::table::CoupledCompensation;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
-use experiment::soundness::{SoundnessVerdict, judge, planned, ran_away};
+use experiment::soundness::{SoundnessVerdict, judge, ran_away};
 use experiment::stability::perturbed::Spread;
 use experiment::summary::POOR_EPS_RMS;
 use outerloop_core::{Force, Method, Prediction};
@@ -15,7 +18,7 @@ use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -34,6 +37,8 @@ const SPREAD: Spread = Spread {
     stiffness: 0.05,
     damping: 0.2,
 };
+/// Rigs that differ, on which the planned motion of a coupled test is tried.
+const COUPLED_PLANTS: usize = 8;
 
 /// What a test did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -62,7 +67,8 @@ impl ActualOutcome {
 #[derive(Clone, Debug, Serialize)]
 pub struct SurveyCase {
     /// Compensation.
-    pub compensation: Method,
+    #[serde(serialize_with = "by_name")]
+    pub compensation: Compensation,
     /// The test file.
     pub test: String,
     /// What was said.
@@ -75,6 +81,10 @@ pub struct SurveyCase {
     pub truth: ActualOutcome,
     /// Its error.
     pub eps_rms: f64,
+}
+
+fn by_name<S: Serializer>(compensation: &Compensation, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(compensation.name())
 }
 
 /// Draws uniformly.
@@ -209,15 +219,33 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
     text
 }
 
+/// The verdict of `check`, why, and the error that it expects.
+fn said(
+    e: &Experiment,
+    compensation: Compensation,
+) -> Result<(SoundnessVerdict, String, f64), Failure> {
+    if e.test.coupled_part().is_ok() {
+        let spread = Spread {
+            plants: COUPLED_PLANTS,
+            ..SPREAD
+        };
+        let (said, ..) = coupled::planned::check(e, compensation, &spread, || ())?;
+        return Ok((said.verdict, said.reason, said.expected_eps_rms));
+    }
+    let said = judge(e, &SPREAD, || ())?;
+    Ok((said.verdict, said.reason, said.expected_eps_rms))
+}
+
 /// Judges `text` and runs it.
 fn case(text: &str) -> Result<SurveyCase, Failure> {
     let test = TestFile::parse(text, "survey", Path::new(""), &[])?;
     let e = Experiment::new(test, &near_fault(), None)?;
-    let said = judge(&e, &SPREAD, || ())?;
+    let compensation = e.test.compensation();
+    let (verdict, reason, expected_eps_rms) = said(&e, compensation)?;
     let ideal = e.ideal()?;
     let (mut truth, mut eps_rms) = (ActualOutcome::Sound, 0.0_f64);
     for seed in [101, 102] {
-        let did = planned(&e, &ideal, seed)?;
+        let did = e.run(compensation, &ideal, seed, false, ())?.summary;
         eps_rms = eps_rms.max(did.eps_rms);
         if ran_away(&did) {
             truth = ActualOutcome::RanAway;
@@ -228,11 +256,11 @@ fn case(text: &str) -> Result<SurveyCase, Failure> {
         }
     }
     Ok(SurveyCase {
-        compensation: e.test.config.compensation.kind,
+        compensation,
         test: text.to_owned(),
-        verdict: said.verdict,
-        reason: said.reason,
-        expected_eps_rms: said.expected_eps_rms,
+        verdict,
+        reason,
+        expected_eps_rms,
         truth,
         eps_rms,
     })
@@ -285,7 +313,7 @@ impl VerdictCounts {
     }
 }
 
-/// All tests, then those of each force law and of each predictor.
+/// All tests, then those of each force law and of each predictor, or of each compensation of coupled actuators.
 pub fn table(cases: &[SurveyCase]) -> Vec<VerdictCounts> {
     const TRUTHS: [ActualOutcome; 3] = [
         ActualOutcome::Sound,
@@ -294,14 +322,23 @@ pub fn table(cases: &[SurveyCase]) -> Vec<VerdictCounts> {
     ];
     let all = TRUTHS.map(|truth| VerdictCounts::of("all", truth, cases.iter()));
     let forces = Force::ALL.iter().flat_map(|force| {
-        let own = |case: &&SurveyCase| case.compensation.force == *force;
+        let own = |case: &&SurveyCase| {
+            matches!(case.compensation, Compensation::Method(m) if m.force == *force)
+        };
         let name = format!("force {}", force.name());
         TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });
     let predictors = Prediction::ALL.iter().flat_map(|predictor| {
-        let own = |case: &&SurveyCase| case.compensation.predictor == *predictor;
+        let own = |case: &&SurveyCase| {
+            matches!(case.compensation, Compensation::Method(m) if m.predictor == *predictor)
+        };
         let name = format!("predictor {}", predictor.name());
         TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });
-    all.into_iter().chain(forces).chain(predictors).collect()
+    let coupled = CoupledCompensation::ALL.iter().flat_map(|kind| {
+        let own = |case: &&SurveyCase| case.compensation == Compensation::Coupled(*kind);
+        TRUTHS.map(|truth| VerdictCounts::of(kind.name(), truth, cases.iter().filter(own)))
+    });
+    let of_frames = all.into_iter().chain(forces).chain(predictors);
+    of_frames.chain(coupled).collect()
 }

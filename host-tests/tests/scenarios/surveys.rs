@@ -10,7 +10,7 @@ use host_tests::compensations::{self, standing};
 use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::verdicts::ActualOutcome;
-use host_tests::surveys::{monitor, verdicts, watch, watched_records};
+use host_tests::surveys::{coupled, monitor, verdicts, watch, watched_records};
 
 #[test]
 fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
@@ -29,6 +29,26 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
     assert!(all > 15, "{all} of 51 are sound");
     assert!(sound[1] + sound[2] <= 1 + all / 20, "{sound:?}");
     assert!(ran_away.iter().sum::<usize>() > 3);
+}
+
+/// Actuators that are not quite the declared ones, under every compensation.
+#[test]
+fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
+    let cases = verdicts::run(&coupled::draw(40, 1), || ()).expect("tests that can be judged");
+    let rows = verdicts::table(&cases);
+    let of = |truth| {
+        let mut own = rows.iter().filter(|r| r.tests == "all" && r.truth == truth);
+        own.next().expect("a row for each outcome")
+    };
+    let [sound, wrong, ran_away] = [
+        ActualOutcome::Sound,
+        ActualOutcome::Wrong,
+        ActualOutcome::RanAway,
+    ]
+    .map(of);
+    assert_eq!((wrong.called[0], ran_away.called[0]), (0, 0));
+    assert!(sound.called[0] >= 5 && sound.called[2] <= 1, "{sound:?}");
+    assert!(wrong.count > 5 && ran_away.count > 5);
 }
 
 #[test]
