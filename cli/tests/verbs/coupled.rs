@@ -359,7 +359,6 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         ],
     );
     refused(&["monte-carlo", EXAMPLE], &["run, compare, check, sweep"]);
-    refused(&["serve", EXAMPLE], &["run, compare, check, sweep"]);
     refused(
         &["run", EXAMPLE, "--compensation", "paper"],
         &["paper", "coupled-fixed"],
