@@ -239,6 +239,8 @@ fn units_on_the_wire_are_the_models_and_a_rotation_is_in_rad() {
 fn what_cannot_be_served_of_two_coupled_actuators_is_refused_in_one_sentence() {
     let third = "coupled.structure={coordinates=['x_m','rotation_rad','top_m'],damping_ratio=0.04,\
                  mass=[[1000,0,0],[0,60,0],[0,0,500]],stiffness=[[208e3,60e3,0],[60e3,192e3,0],[0,0,1e5]]}";
+    // An address that is nobody's: what is not refused does not wait for a client.
+    let serve = ["serve", EXAMPLE, "--listen", "192.0.2.1:9"];
     for (set, words) in [
         (
             "serve.pace=continuous",
@@ -253,12 +255,10 @@ fn what_cannot_be_served_of_two_coupled_actuators_is_refused_in_one_sentence() {
             ],
         ),
     ] {
-        refused(&["serve", EXAMPLE, "--set", set], &words);
+        refused(&[&serve[..], &["--set", set]].concat(), &words);
     }
-    refused(
-        &["serve", EXAMPLE, "--scope"],
-        &["--scope", "two coupled actuators"],
-    );
+    let scope = [&serve[..], &["--scope"]].concat();
+    refused(&scope, &["--scope", "two coupled actuators"]);
     // A ground motion needs nothing of it.
     let ran = json(&[
         "run",
