@@ -104,6 +104,34 @@ fn the_served_specimen_is_the_own_element_of_opensees_to_a_billionth_at_a_thousa
 }
 
 #[test]
+fn a_corner_half_of_which_two_coupled_actuators_hold_moves_as_in_opensees_alone() {
+    let Some(python) = python() else { return };
+    let rig = [
+        "--set",
+        "plant.coupled.specimen.springs=[]",
+        "--set",
+        "serve.settle_ms=100",
+        "--set",
+        "serve.average_ms=50",
+    ];
+    let server = Server::start("examples/coupled-frame.toml", &rig);
+    let (model, rig) = both(&python, "examples/opensees/corner.py", &[], server);
+    println!("{model}");
+    let number = |key: &str| model[key].as_f64().unwrap();
+    assert!(
+        number("peak_m") > 0.02 && number("peak_rad") > 0.005,
+        "{model}"
+    );
+    // The noise of the readings, which a model that is sent back sums up.
+    assert!(
+        number("apart_x") < 2e-3 && number("apart_rotation") < 2e-2,
+        "{model}"
+    );
+    assert_eq!(rig["verdict"], "completed", "{rig}");
+    assert_eq!(rig["targets"], 300);
+}
+
+#[test]
 fn an_integrator_that_iterates_is_refused() {
     let Some(python) = python() else { return };
     let server = Server::start(RIG, &[]);

@@ -291,8 +291,7 @@ impl Experiment {
                 return bench.run(&self.prepared(config, design, ground, steps), observer);
             };
             let kind = part.declared.compensation;
-            let settings = settings::of::<N>(&part.declared, config, kind)?;
-            let design = Design::coupled(config, &settings).map_err(Failure::input)?;
+            let design = settings::design::<N>(&part.declared, config, kind)?;
             bench.run_coupled(part, &self.prepared(config, design, ground, steps), observer)
         })
     }

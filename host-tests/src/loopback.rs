@@ -10,23 +10,46 @@ use link::telemetry::STEPS;
 use link::{Command, Telemetry};
 use outerloop_cli::board::Port;
 use plant::Rig;
+use plant::coupled::CoupledRig;
 use std::collections::VecDeque;
 use std::io;
 
+/// What stands behind a board's converters.
+pub trait Laboratory<const A: usize> {
+    /// One control period under these commands, m: displacement, m, and force, N, of each actuator.
+    fn period(&mut self, command_m: [f64; A]) -> [[f64; 2]; A];
+}
+
+impl<const A: usize> Laboratory<A> for Rig {
+    fn period(&mut self, command_m: [f64; A]) -> [[f64; 2]; A] {
+        let reading = self.step(&command_m);
+        std::array::from_fn(|a| [reading.displacement_m[a], reading.force_n[a]])
+    }
+}
+
+/// The first two of three actuators hold a coupler; behind the third is nothing.
+impl Laboratory<3> for CoupledRig {
+    fn period(&mut self, [first_m, second_m, _]: [f64; 3]) -> [[f64; 2]; 3] {
+        let reading = self.step([first_m, second_m]);
+        let of = |i: usize| [reading.stroke_m[i], reading.force_n[i]];
+        [of(0), of(1), [0.0; 2]]
+    }
+}
+
 /// A simulated rig with `A` actuators that is blocked where it stands while PERMIT is low.
 pub struct BlockedRig<const A: usize = 1> {
-    rig: Rig,
+    rig: Box<dyn Laboratory<A>>,
     stands_at_m: [f64; A],
 }
 
 impl<const A: usize> Plant<A> for BlockedRig<A> {
     fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A] {
         let command_m = if permit { command_m } else { self.stands_at_m };
-        let reading = self.rig.step(&command_m);
+        let reading = self.rig.period(command_m);
         if permit {
-            self.stands_at_m = std::array::from_fn(|a| reading.displacement_m[a]);
+            self.stands_at_m = reading.map(|[displacement_m, _]| displacement_m);
         }
-        std::array::from_fn(|a| [reading.displacement_m[a], reading.force_n[a]])
+        reading
     }
 }
 
@@ -85,12 +108,13 @@ pub struct Loopback<const A: usize = 1> {
 
 impl<const A: usize> Loopback<A> {
     /// A board that has just got power, with `rig` behind its converters.
-    pub fn new(rig: Rig) -> Self {
+    pub fn new(rig: impl Laboratory<A> + 'static) -> Self {
         Self::standing_at(rig, [0.0; A])
     }
 
     /// The same with a rig that was left there, m.
-    pub fn standing_at(rig: Rig, stands_at_m: [f64; A]) -> Self {
+    pub fn standing_at(rig: impl Laboratory<A> + 'static, stands_at_m: [f64; A]) -> Self {
+        let rig = Box::new(rig);
         let blocked = BlockedRig { rig, stands_at_m };
         let mut board = Bench::new(blocked);
         // What the PC shows of itself, only its frames show.

@@ -16,6 +16,14 @@ const SHOWN_BEYOND: f64 = 3.0;
 /// Half of a closer look, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
 
+/// What a coordinate of two coupled actuators is called, and what its displacement is drawn in.
+pub(super) fn coordinate(name: &str) -> (String, &'static str) {
+    let rotation = name.strip_suffix("_rad");
+    let plain = rotation.unwrap_or_else(|| name.trim_end_matches("_m"));
+    let unit = if rotation.is_some() { "mrad" } else { "mm" };
+    (plain.replace('_', " "), unit)
+}
+
 /// What the figures are drawn from: the control steps in which an integration step was solved.
 pub struct Figures<'a> {
     pub(super) section: &'a TestSection<'a>,
@@ -68,13 +76,7 @@ impl<'a> Figures<'a> {
     fn axis(&self, j: usize) -> (String, &'static str) {
         match &self.section.trace.interface {
             None => (format!("Floor {}", j + 1), "mm"),
-            Some(interface) => {
-                let name = &interface.coordinates[j];
-                let rotation = name.strip_suffix("_rad");
-                let plain = rotation.unwrap_or_else(|| name.trim_end_matches("_m"));
-                let unit = if rotation.is_some() { "mrad" } else { "mm" };
-                (plain.replace('_', " "), unit)
-            }
+            Some(interface) => coordinate(&interface.coordinates[j]),
         }
     }
 

@@ -1,5 +1,6 @@
 //! A session: a rig as an element of a model outside.
 
+use super::figures::coordinate;
 use crate::document::plot::{
     Colour, Curve, GROUND, HALF, IDEAL, PlotShape, TALL, TESTED, WIDE, WRONG, history, path, plot,
 };
@@ -7,7 +8,7 @@ use crate::document::{Document, Grade};
 use crate::serve::{SessionSummary, SessionVerdict};
 use experiment::files::test::TestFile;
 use experiment::numbers::{joule, length, percent, si};
-use experiment::trace::{FloorTrace, Trace};
+use experiment::trace::Trace;
 use outerloop_core::Pace;
 
 /// A session as its page shows it.
@@ -27,8 +28,8 @@ pub fn of_served(s: &SessionSection<'_>) -> Document {
     verdict(&mut d, s.summary);
     if !s.trace.is_empty() {
         tiles(&mut d, s.summary);
-        for (j, floor) in s.trace.floors.iter().enumerate() {
-            storey(&mut d, s.trace, j, floor);
+        for floor in ShownFloor::all(s.trace) {
+            floor.draw(&mut d, s.trace);
         }
         energy(&mut d, s.trace);
         if s.test.serve.pace == Pace::Continuous {
@@ -77,7 +78,9 @@ fn verdict(d: &mut Document, s: &SessionSummary) {
             length(s.peak_displacement_m)
         ),
     };
-    d.verdict(grade, format!("{}{followed}", s.ending()));
+    let further = s.coordinates.iter().skip(1);
+    let further: String = further.map(|c| format!(" {}", c.sentence())).collect();
+    d.verdict(grade, format!("{}{followed}{further}", s.ending()));
 }
 
 fn tiles(d: &mut Document, s: &SessionSummary) {
@@ -120,34 +123,74 @@ fn in_time(d: &mut Document, shape: PlotShape, label: &str, curves: &[Curve], ca
     });
 }
 
-fn storey(d: &mut Document, t: &Trace, j: usize, floor: &FloorTrace) {
-    let mm = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
-    d.heading(match t.floors.len() {
-        1 => "Displacement".to_owned(),
-        _ => format!("Displacement of storey {}", j + 1),
-    });
-    let target = curve_over_time(t, IDEAL, |i| mm(&floor.command_m, i));
-    let curves = [
-        target.named("target").thick(),
-        curve_over_time(t, TESTED, |i| mm(&floor.displacement_m, i)).named("measured"),
-    ];
-    let caption = "Where the model wanted the specimen, and where it was.";
-    in_time(d, TALL, "displacement [mm]", &curves, caption);
-    let apart = curve_over_time(t, WRONG, |i| {
-        mm(&floor.displacement_m, i) - mm(&floor.command_m, i)
-    });
-    let caption = "Measured less target at every control step, on the way, too: an actuator that is late is behind its target.";
-    in_time(d, WIDE, "error [mm]", &[apart], caption);
-    let kn = |i: usize| f64::from(floor.force_n[i]) * 1e-3;
-    d.pair(|d| {
-        d.figure("What the specimen did: force against displacement.", || {
-            let points = path(t.len(), |i| (mm(&floor.displacement_m, i), kn(i)));
-            let curve = [Curve::new(TESTED, points)];
-            plot(HALF, "displacement [mm]", "force [kN]", &curve)
+/// A storey, or a coordinate of two coupled actuators, as it is drawn.
+struct ShownFloor<'a> {
+    heading: String,
+    /// Of a thousandth of the target's unit, and of a thousand of the force's.
+    units: [&'static str; 2],
+    target: &'a [f32],
+    displacement: &'a [f32],
+    force: &'a [f32],
+}
+
+impl<'a> ShownFloor<'a> {
+    fn all(t: &'a Trace) -> Vec<Self> {
+        let floors = t.floors.iter().enumerate();
+        floors
+            .map(|(j, floor)| match &t.interface {
+                None => Self {
+                    heading: match t.floors.len() {
+                        1 => "Displacement".to_owned(),
+                        _ => format!("Displacement of storey {}", j + 1),
+                    },
+                    units: ["mm", "kN"],
+                    target: &floor.command_m,
+                    displacement: &floor.displacement_m,
+                    force: &floor.force_n,
+                },
+                Some(interface) => {
+                    let (name, unit) = coordinate(&interface.coordinates[j]);
+                    Self {
+                        heading: format!("Displacement of {name}"),
+                        units: [unit, if unit == "mm" { "kN" } else { "kN m" }],
+                        target: &floor.command_m,
+                        displacement: &interface.displacement[j],
+                        force: &floor.estimated_force_n,
+                    }
+                }
+            })
+            .collect()
+    }
+
+    fn draw(&self, d: &mut Document, t: &Trace) {
+        let thousandths = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
+        let thousands = |i: usize| f64::from(self.force[i]) * 1e-3;
+        let (displacement, force) = (self.displacement, format!("force [{}]", self.units[1]));
+        let label = format!("displacement [{}]", self.units[0]);
+        d.heading(self.heading.clone());
+        let target = curve_over_time(t, IDEAL, |i| thousandths(self.target, i));
+        let curves = [
+            target.named("target").thick(),
+            curve_over_time(t, TESTED, |i| thousandths(displacement, i)).named("measured"),
+        ];
+        let caption = "Where the model wanted the specimen, and where it was.";
+        in_time(d, TALL, &label, &curves, caption);
+        let apart = curve_over_time(t, WRONG, |i| {
+            thousandths(displacement, i) - thousandths(self.target, i)
         });
-        let force = curve_over_time(t, GROUND, kn);
-        in_time(d, HALF, "force [kN]", &[force], "Its force.");
-    });
+        let caption = "Measured less target at every control step, on the way, too: an actuator that is late is behind its target.";
+        let error = format!("error [{}]", self.units[0]);
+        in_time(d, WIDE, &error, &[apart], caption);
+        d.pair(|d| {
+            d.figure("What the specimen did: force against displacement.", || {
+                let points = path(t.len(), |i| (thousandths(displacement, i), thousands(i)));
+                let curve = [Curve::new(TESTED, points)];
+                plot(HALF, &label, &force, &curve)
+            });
+            let over_time = curve_over_time(t, GROUND, thousands);
+            in_time(d, HALF, &force, &[over_time], "Its force.");
+        });
+    }
 }
 
 fn energy(d: &mut Document, t: &Trace) {

@@ -102,13 +102,8 @@ impl<P: Port> Bench for BoardBench<P> {
     ) -> Result<Ending, Failure> {
         only_x_and_rotation(part)?;
         let (identity, config) = self.ready((test.config, Hold::Coupler))?;
-        let kind = part.declared.compensation;
-        let of_loop = settings::of::<N>(&part.declared, &config, kind)?;
-        let design = Design::coupled(&config, &of_loop).map_err(Failure::input)?;
-        // The same with a number of coordinates that the link knows.
-        let coupled = Some(settings::of::<2>(&part.declared, &config, kind)?);
-        let sent = BoardTest { config, coupled };
-        let (ending, rig) = self.run_as(test, &identity, (sent, design), observer)?;
+        let sent_and_design = coupled_test(part, config)?;
+        let (ending, rig) = self.run_as(test, &identity, sent_and_design, observer)?;
         Ok(Ending {
             actuators: rig.map(|rig| *rig.plant()),
             ..ending
@@ -127,6 +122,21 @@ pub(super) fn only_x_and_rotation(part: &CoupledPart) -> Result<(), Failure> {
             "coupled.structure.coordinates has {more} names: accepted on a board are 2, x and the rotation; the simulated rig runs up to 8"
         ))),
     }
+}
+
+/// A test of two coupled actuators as a board is sent it, and the loop that it then has. `config` has all limits that it asks for.
+///
+/// # Errors
+/// The first value that core refuses.
+pub(crate) fn coupled_test<const N: usize>(
+    part: &CoupledPart,
+    config: Config,
+) -> Result<(BoardTest, Design<N, CoupledRig>), Failure> {
+    let kind = part.declared.compensation;
+    let design = settings::design::<N>(&part.declared, &config, kind)?;
+    // The same with a number of coordinates that the link knows.
+    let coupled = Some(settings::of::<2>(&part.declared, &config, kind)?);
+    Ok((BoardTest { config, coupled }, design))
 }
 
 impl<P: Port> BoardBench<P> {

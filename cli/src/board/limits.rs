@@ -214,8 +214,12 @@ fn forces_n<'a>(storeys: &'a [f64], floors_m: &'a [f32]) -> impl Iterator<Item =
     (0..storeys.len()).map(move |floor| (storey_n(floor) - storey_n(floor + 1)).abs())
 }
 
-/// Force on an actuator, from 0, N, where it moves alone, so far.
+/// Force on an actuator, from 0, N, where it moves alone, so far; of two on one coupler, where both move so far.
 fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
+    if test.coupled.is_some() {
+        let (_, forces_n) = at_actuators(test, &[displacement_m as f32, 0.0]);
+        return forces_n.into_iter().fold(0.0, f64::max);
+    }
     let around = laboratory_storeys(test).iter().skip(actuator).take(2);
     let around = around.sum::<f64>();
     around * displacement_m

@@ -41,6 +41,7 @@ mod upload;
 mod wording;
 
 pub use bench::BoardBench;
+pub(crate) use bench::coupled_test;
 pub use commission::commission;
 pub use configured_test::ConfiguredTest;
 pub use connection::{BoardConnection, Connection, Timeouts};

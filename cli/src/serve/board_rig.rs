@@ -5,15 +5,21 @@ use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::board::limits::PlannedMotion;
 use crate::board::operator::Operator;
-use crate::board::{BoardConnection, ConfiguredTest, Hold, Mirror, clear, done, ready, status};
+use crate::board::{
+    BoardConnection, ConfiguredTest, Hold, Mirror, clear, coupled_test, done, ready, status,
+};
 use crate::scope::Scope;
 use experiment::bench::OnBoard;
 use experiment::failure::Failure;
 use experiment::files::test::{BoardWanted, TestFile};
+use link::command::BoardTest;
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use link::{Calibration, Command, MAX_ACTUATORS};
-use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Mode, Pace, Record};
+use outerloop_core::coupled::CoupledRig;
+use outerloop_core::{
+    Config, Design, DirectRig, Event, Fault, GroundMotion, Mode, Pace, Record, Rig,
+};
 use std::collections::VecDeque;
 
 /// The rig behind the board at the other end of `connection`. `real`: there is a person to look before a trip is cleared.
@@ -38,25 +44,16 @@ pub fn serve_on_board(
         ));
     }
     let with = (connection, operator, real);
+    let kept = (keep, scope);
+    if let Some(part) = &test.coupled {
+        let part = part.clone();
+        let prepare: Prepare<2, CoupledRig> = Box::new(move |config| coupled_test(&part, config));
+        return Ok(moved(test, with, (Hold::Coupler, prepare), kept));
+    }
     Ok(match storeys {
-        1 => Box::new(Travel::new(
-            BoardRig::<1>::new(test, with),
-            test,
-            keep,
-            scope,
-        )),
-        2 => Box::new(Travel::new(
-            BoardRig::<2>::new(test, with),
-            test,
-            keep,
-            scope,
-        )),
-        3 => Box::new(Travel::new(
-            BoardRig::<3>::new(test, with),
-            test,
-            keep,
-            scope,
-        )),
+        1 => moved(test, with, (Hold::Storeys, Box::new(of_storeys::<1>)), kept),
+        2 => moved(test, with, (Hold::Storeys, Box::new(of_storeys::<2>)), kept),
+        3 => moved(test, with, (Hold::Storeys, Box::new(of_storeys::<3>)), kept),
         _ => {
             return Err(Failure::input(format!(
                 "serve: the test has {storeys} storeys: accepted on a board are up to {MAX_ACTUATORS}, each with an actuator; the simulated rig serves any number"
@@ -65,17 +62,40 @@ pub fn serve_on_board(
     })
 }
 
-/// A board with an actuator for each storey, which are all of the structure that is served.
-struct BoardRig<const N: usize> {
+/// The test as the board is sent it and the loop that it then has, of a configuration with all limits that it asks for.
+type Prepare<const N: usize, R> = Box<dyn Fn(Config) -> Result<(BoardTest, Design<N, R>), Failure>>;
+
+/// Of a frame whose storeys each have an actuator.
+fn of_storeys<const N: usize>(
+    config: Config,
+) -> Result<(BoardTest, Design<N, DirectRig<N>>), Failure> {
+    let design = Design::new(&config).map_err(Failure::input)?;
+    Ok((config.into(), design))
+}
+
+fn moved<const N: usize, R: Rig<N> + 'static>(
+    test: &TestFile,
+    with: (BoardConnection, Operator, bool),
+    held: (Hold, Prepare<N, R>),
+    (keep, scope): (bool, Option<Scope>),
+) -> Box<dyn Mover> {
+    let rig = BoardRig::new(test, with, held);
+    Box::new(Travel::new(rig, test, keep, scope))
+}
+
+/// A board whose actuators hold all of the structure that is served: a storey each, or two of them a coupler.
+struct BoardRig<const N: usize, R: Rig<N>> {
     board: BoardConnection,
     operator: Operator,
     real: bool,
     plan: PlannedMotion,
     wanted: BoardWanted,
     config: Config,
+    hold: Hold,
+    prepare: Prepare<N, R>,
     pace: Pace,
     /// From the beginning to the end.
-    test: Option<Serving<N>>,
+    test: Option<Serving<N, R>>,
     permit: bool,
     /// How the codes of each actuator are to be read, once the board has been asked.
     calibrated: Vec<Calibration>,
@@ -83,8 +103,8 @@ struct BoardRig<const N: usize> {
 }
 
 /// A client's test on the board.
-struct Serving<const N: usize> {
-    in_force: ConfiguredTest<'static, N>,
+struct Serving<const N: usize, R: Rig<N>> {
+    in_force: ConfiguredTest<'static, N, R>,
     identity: Identity,
     /// Records that were received and not handed on yet.
     come: VecDeque<Record<N>>,
@@ -94,8 +114,12 @@ struct Serving<const N: usize> {
     trip: Option<Fault>,
 }
 
-impl<const N: usize> BoardRig<N> {
-    fn new(test: &TestFile, (board, operator, real): (BoardConnection, Operator, bool)) -> Self {
+impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
+    fn new(
+        test: &TestFile,
+        (board, operator, real): (BoardConnection, Operator, bool),
+        (hold, prepare): (Hold, Prepare<N, R>),
+    ) -> Self {
         Self {
             board,
             operator,
@@ -103,6 +127,8 @@ impl<const N: usize> BoardRig<N> {
             plan: PlannedMotion::of_served(test),
             wanted: test.board.clone(),
             config: test.config.clone(),
+            hold,
+            prepare,
             pace: test.serve.pace,
             test: None,
             permit: false,
@@ -114,7 +140,7 @@ impl<const N: usize> BoardRig<N> {
     /// What to do with the test, where there is one; a link that is gone is remembered.
     fn with<T>(
         &mut self,
-        act: impl FnOnce(&mut BoardConnection, &mut Serving<N>) -> Result<T, Failure>,
+        act: impl FnOnce(&mut BoardConnection, &mut Serving<N, R>) -> Result<T, Failure>,
     ) -> Result<T, Stop> {
         let Some(test) = &mut self.test else {
             return Err(Stop::Lost("no test is in force on the board".into()));
@@ -143,14 +169,18 @@ impl<const N: usize> BoardRig<N> {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
             };
+            // What is left of such a step are readings of the actuators, which are not x and rotation.
+            if !R::SAME_COORDINATES && !test.in_force.mirror().is_in_step() {
+                return Err(Failure::test(
+                    "a step was lost between the board and the PC, and with it where x and the rotation are",
+                ));
+            }
             let over = test.come.is_empty() && test.in_force.mode() == Mode::Tripped;
             let trip = if over { status(board)?.trip } else { None };
             test.trip = test.trip.or(trip.map(|t| t.fault));
             Ok(Some(ServedStep {
-                reached: TargetMeasurement {
-                    displacement_m: record.estimated_displacement_m.map(f64::from).to_vec(),
-                    force_n: record.estimated_force_n.map(f64::from).to_vec(),
-                },
+                reached: TargetMeasurement::estimated(&record),
+                coupled: None,
                 record,
                 ended: trip.map(Stop::Tripped),
             }))
@@ -173,6 +203,7 @@ impl<const N: usize> BoardRig<N> {
         Some(ServedStep {
             record,
             reached: TargetMeasurement::default(),
+            coupled: None,
             ended: None,
         })
     }
@@ -198,7 +229,7 @@ impl<const N: usize> BoardRig<N> {
     }
 }
 
-impl<const N: usize> ServedRig<N> for BoardRig<N> {
+impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
     fn begin(&mut self) -> Result<(), Failure> {
         let board = &mut self.board;
         (self.test, self.account) = (None, None);
@@ -206,13 +237,9 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
             self.wanted.calibration.as_deref(),
             self.wanted.converter_bits,
         );
-        let (identity, config) = ready(board, (&self.config, Hold::Storeys), &self.plan, wanted)?;
-        let design = Design::<N>::new(&config).map_err(Failure::input)?;
-        let since = done(
-            board,
-            "configure",
-            &Command::Configure(config.clone().into()),
-        )?;
+        let (identity, config) = ready(board, (&self.config, self.hold), &self.plan, wanted)?;
+        let (sent, design) = (self.prepare)(config.clone())?;
+        let since = done(board, "configure", &Command::Configure(sent))?;
         done(board, "signal", &Command::Signal(None))?;
         done(board, "pace", &Command::Pace(Some(self.pace)))?;
         let mut mirror = Mirror::new(
@@ -341,9 +368,9 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
     }
 }
 
-impl<const N: usize> BoardRig<N> {
+impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
     /// To a standstill on the ramp, then idle.
-    fn finish(&mut self, test: &mut Serving<N>) -> Result<(), Failure> {
+    fn finish(&mut self, test: &mut Serving<N, R>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);
         if !has_ended(status(board)?.state) {
             in_force.end(board, Event::Stop)?;

@@ -1,22 +1,21 @@
 //! What a session leaves behind.
 
 use experiment::bench::OnBoard;
+use experiment::numbers::three;
 use experiment::trace::{AnyRecord, TestObserver};
 use outerloop_core::{EnergyWords, flag};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Figures that are formed while the rig moves.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ledger {
     /// Targets that were reached.
     pub targets: usize,
     /// Control steps.
     pub control_steps: usize,
-    /// Largest target, m.
-    pub peak_m: f64,
-    /// Square sum and largest of measured less target, at the targets, m.
-    pub tracking: (f64, f64),
+    /// How each coordinate was followed.
+    pub followed: Vec<Followed>,
     /// Cumulative energy errors, J.
     pub energy: EnergyWords,
     /// Energy error relative to the energy in the test.
@@ -31,15 +30,81 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// A target was reached: `apart_m` is measured less target.
-    pub fn reached(&mut self, target_m: &[f64], apart_m: impl Iterator<Item = f64>) {
+    /// A target was reached, m or rad: `apart` is measured less target.
+    pub fn reached(&mut self, target: &[f64], apart: &[f64]) {
         self.targets += 1;
-        for u in target_m {
-            self.peak_m = self.peak_m.max(u.abs());
+        self.followed.resize(target.len(), Followed::default());
+        for (followed, (u, e)) in self.followed.iter_mut().zip(target.iter().zip(apart)) {
+            followed.targets += 1;
+            followed.peak = followed.peak.max(u.abs());
+            followed.squares += e * e;
+            followed.most = followed.most.max(e.abs());
         }
-        for e in apart_m {
-            self.tracking = (self.tracking.0 + e * e, self.tracking.1.max(e.abs()));
+    }
+}
+
+/// How a coordinate was followed, in m or rad.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Followed {
+    targets: usize,
+    /// Largest target.
+    pub peak: f64,
+    /// Square sum of measured less target, at the targets.
+    squares: f64,
+    /// The largest of it.
+    pub most: f64,
+}
+
+impl Followed {
+    /// Coordinates of one unit taken together.
+    pub fn together(all: &[Self]) -> Self {
+        all.iter().fold(Self::default(), |sum, c| Self {
+            targets: sum.targets + c.targets,
+            peak: sum.peak.max(c.peak),
+            squares: sum.squares + c.squares,
+            most: sum.most.max(c.most),
+        })
+    }
+
+    /// Root mean square of measured less target.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.targets.max(1) as f64).sqrt()
+    }
+}
+
+/// How a coordinate of two actuators on one coupler was followed, in the unit with which its name ends.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct CoordinateFigures {
+    /// Its name, as in `coupled.structure.coordinates`.
+    pub name: String,
+    /// Largest target.
+    pub peak: f64,
+    /// Measured less target at the targets: root mean square.
+    pub tracking_rms: f64,
+    /// The largest of it.
+    pub tracking_max: f64,
+}
+
+impl CoordinateFigures {
+    /// Of the coordinate `name`.
+    pub fn of(name: String, followed: &Followed) -> Self {
+        Self {
+            name,
+            peak: followed.peak,
+            tracking_rms: followed.rms(),
+            tracking_max: followed.most,
         }
+    }
+
+    /// In a sentence.
+    pub fn sentence(&self) -> String {
+        format!(
+            "{}: largest target {}, off it by {} rms and {} at most.",
+            self.name,
+            three(self.peak),
+            three(self.tracking_rms),
+            three(self.tracking_max)
+        )
     }
 }
 
@@ -106,12 +171,15 @@ pub struct SessionSummary {
     pub wall_s: f64,
     /// Targets in a second of these.
     pub targets_per_s: f64,
-    /// Largest target, m.
+    /// Largest target, m; of two actuators on one coupler, here and below, that of x.
     pub peak_displacement_m: f64,
     /// Measured less target at the targets: root mean square, m.
     pub tracking_rms_m: f64,
     /// The largest of it, m.
     pub tracking_max_m: f64,
+    /// Of two actuators on one coupler the same of x and of the rotation.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coordinates: Vec<CoordinateFigures>,
     /// Cumulative Eq 12, J.
     pub energy_error_j: f64,
     /// Cumulative HSEM, J.
@@ -162,6 +230,10 @@ impl SessionSummary {
             self.energy_error_j,
             self.energy_ratio * 100.0,
         );
+        for further in self.coordinates.iter().skip(1) {
+            text += " ";
+            text += &further.sentence();
+        }
         if self.late_targets > 0 {
             text += &format!(
                 " The model was late {} times, {:.2} s together, {:.0} ms at most.",

@@ -10,6 +10,7 @@
 //! | `waiting_room` | who has connected and is not served yet |
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
+//! | `element` | what is declared of the rig, and its units on the wire |
 //! | `mover` | what a session requires of a rig |
 //! | `served_rig` | what a rig is, control step by control step |
 //! | `travel` | from target to target: stop and go, or continuously |
@@ -18,6 +19,7 @@
 //! | `ledger` | what a session leaves behind: figures, words, JSON |
 
 mod board_rig;
+mod element;
 mod ledger;
 mod mover;
 mod served_rig;
@@ -28,9 +30,10 @@ mod waiting_room;
 pub mod wire;
 
 pub use board_rig::serve_on_board;
+pub use element::DeclaredElement;
+pub(crate) use element::shear_frame;
 pub use ledger::{Ledger, SessionSummary, SessionVerdict};
 pub use mover::{Mover, Stop, TargetMeasurement};
-pub use session::{DeclaredElement, Served, serve_client};
+pub use session::{Served, serve_client};
 pub use simulated::simulated;
-pub(crate) use travel::shear_frame;
 pub use waiting_room::{Arrival, WaitingRoom};

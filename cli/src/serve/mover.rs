@@ -4,15 +4,25 @@ use super::ledger::Ledger;
 use experiment::bench::OnBoard;
 use experiment::failure::Failure;
 use experiment::trace::Trace;
-use outerloop_core::Trip;
+use outerloop_core::{Record, Trip};
 
 /// What was measured at a target.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TargetMeasurement {
-    /// Displacement that was reached, m.
+    /// Displacement that was reached, m; of a rotation rad.
     pub displacement_m: Vec<f64>,
-    /// Force to be answered, N.
+    /// Force to be answered, N; of a rotation the moment, N m.
     pub force_n: Vec<f64>,
+}
+
+impl TargetMeasurement {
+    /// As the loop has it in a step.
+    pub fn estimated<const N: usize>(record: &Record<N>) -> Self {
+        Self {
+            displacement_m: record.estimated_displacement_m.map(f64::from).to_vec(),
+            force_n: record.estimated_force_n.map(f64::from).to_vec(),
+        }
+    }
 }
 
 /// Why a rig goes no further.
@@ -34,7 +44,8 @@ pub trait Mover {
     /// A rig that refuses to arm, or that trips on the way.
     fn begin(&mut self) -> Result<(), Failure>;
 
-    /// Goes to `target_m`, one displacement for each storey in the laboratory, and reads the force there.
+    /// Goes to `target_m`, one displacement for each storey in the laboratory or x and the rotation of an interface, and reads the
+    /// force there.
     ///
     /// # Errors
     /// Why it did not come there; the permission to move has been given back by then or will be by [`Mover::end`].

@@ -4,6 +4,7 @@ use super::mover::{Stop, TargetMeasurement};
 use experiment::bench::OnBoard;
 use experiment::failure::Failure;
 use outerloop_core::{Event, Record};
+use plant::coupled::CoupledReading;
 
 /// A control step that has been.
 pub struct ServedStep<const N: usize> {
@@ -11,11 +12,13 @@ pub struct ServedStep<const N: usize> {
     pub record: Record<N>,
     /// What was measured in it.
     pub reached: TargetMeasurement,
+    /// Of two coupled actuators on a simulated rig: what was read of it, and what is true.
+    pub coupled: Option<CoupledReading>,
     /// Why the rig goes no further, where this was its last step.
     pub ended: Option<Stop>,
 }
 
-/// A rig with `N` storeys in the laboratory.
+/// A rig with `N` storeys in the laboratory, or with x and the rotation of an interface.
 pub trait ServedRig<const N: usize> {
     /// Arms, and approaches zero.
     ///
@@ -23,7 +26,7 @@ pub trait ServedRig<const N: usize> {
     /// A rig that refuses to arm, or that trips on the way.
     fn begin(&mut self) -> Result<(), Failure>;
 
-    /// Gives the next target, m; the test starts with the first of them.
+    /// Gives the next target, m or rad; the test starts with the first of them.
     ///
     /// # Errors
     /// A rig that is gone.

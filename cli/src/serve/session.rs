@@ -1,14 +1,11 @@
 //! One client from its first message to its last.
 
-use super::ledger::{Ledger, SessionSummary, SessionVerdict};
+use super::element::DeclaredElement;
+use super::ledger::{CoordinateFigures, Followed, Ledger, SessionSummary, SessionVerdict};
 use super::mover::{Mover, Stop, TargetMeasurement};
-use super::travel::shear_frame;
 use super::waiting_room::Arrival;
 use super::wire::{Action, ClientConnection, ClientGone, TrialResponse};
 use crate::terminal::interrupt;
-use experiment::failure::Failure;
-use experiment::files::serve::Settings;
-use experiment::files::test::TestFile;
 use outerloop_core::Pace;
 use std::fmt;
 use std::time::Instant;
@@ -17,61 +14,6 @@ use std::time::Instant;
 const SAME: f64 = 1e-9;
 /// By how much, as a share of it, the model's time step may differ from the loop's.
 const SAME_STEP: f64 = 1e-6;
-
-/// What is declared of the rig.
-#[derive(Clone, Debug)]
-pub struct DeclaredElement {
-    settings: Settings,
-    /// Row by row, N/m.
-    stiffness_n_per_m: Vec<f64>,
-    storeys: usize,
-    stroke_m: f64,
-    model_step_s: f64,
-    rate_hz: f64,
-}
-
-impl DeclaredElement {
-    /// Of a test file.
-    ///
-    /// # Errors
-    /// A test that cannot be served: without limits, with storeys that exist in the computer only, or, where the rig
-    /// moves continuously, without time for the model.
-    pub fn of(test: &TestFile) -> Result<Self, Failure> {
-        let c = &test.config;
-        let storeys = c.degrees_of_freedom();
-        let refuse = |what: &str| Err(Failure::input(what.to_owned()));
-        if c.physical_storeys() != storeys {
-            return refuse(
-                "serve: structure.physical_storeys is below the number of floors: accepted is a rig of which every storey \
-                 stands in the laboratory, since the rest of the structure is the client's",
-            );
-        }
-        let Some(stroke_m) = c.limits.displacement_m else {
-            return refuse(
-                "serve: limits.displacement_m is missing: accepted is the largest displacement, m, that a client may ask for",
-            );
-        };
-        if c.limits.force_n.is_none() {
-            return refuse(
-                "serve: limits.force_n is missing: accepted is the largest force, N, that the specimen may answer with",
-            );
-        }
-        if test.serve.pace == Pace::Continuous && c.timing.solve_substeps == 0 {
-            return refuse(
-                "serve: loop.solve_substeps is 0 beside serve.pace = \"continuous\": accepted are the control steps in \
-                 which the model solves its step, 1 to one less than loop.substeps",
-            );
-        }
-        Ok(Self {
-            settings: test.serve,
-            stiffness_n_per_m: shear_frame(&c.structure.stiffness_n_per_m),
-            storeys,
-            stroke_m,
-            model_step_s: c.model_step_s(),
-            rate_hz: c.timing.rate_hz,
-        })
-    }
-}
 
 /// Why a session ended before its last message.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,7 +137,7 @@ impl Session<'_> {
         let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
         match ClientConnection::open(
             (arrival.stream, arrival.at),
-            self.element.storeys,
+            self.element.coordinates.len(),
             timeout_s,
             watch,
         ) {
@@ -220,8 +162,8 @@ impl Session<'_> {
             if let Some(trial) = message.trial {
                 self.trial = Some(self.checked(trial)?);
             }
-            let n = self.element.storeys;
-            let (length, force) = self.units();
+            let coordinates = &self.element.coordinates;
+            let n = coordinates.len();
             match message.action {
                 Action::Trial => {}
                 Action::Commit => {
@@ -230,23 +172,23 @@ impl Session<'_> {
                 }
                 Action::Force => {
                     let reached = self.move_to_trial(wire)?;
-                    let forces: Vec<f64> = reached.force_n.iter().map(|f| f / force).collect();
-                    wire.answer(&forces)?;
+                    let forces = reached.force_n.iter().zip(coordinates);
+                    let forces = forces.map(|(force, c)| force / c.force_per_wire);
+                    wire.answer(&forces.collect::<Vec<_>>())?;
                     self.answered = Some(Instant::now());
                 }
                 Action::Displacement => {
                     let reached = self.last.as_ref().map(|(_, r)| &r.displacement_m);
                     let zeros = vec![0.0; n];
-                    let shown = reached.unwrap_or(&zeros).iter().map(|u| u / length);
+                    let shown = reached.unwrap_or(&zeros).iter().zip(coordinates);
+                    let shown = shown.map(|(u, c)| u / c.displacement_per_wire);
                     wire.answer(&shown.collect::<Vec<_>>())?;
                 }
                 Action::Time => {
                     wire.answer(&[self.trial.as_ref().map_or(0.0, |t| t.time_s)])?;
                 }
                 Action::InitialStiffness | Action::TangentStiffness => {
-                    let stiffness = &self.element.stiffness_n_per_m;
-                    let shown = stiffness.iter().map(|k| k * length / force);
-                    wire.answer(&shown.collect::<Vec<_>>())?;
+                    wire.answer(&self.element.stiffness_on_wire())?;
                 }
                 // They are in the force that is measured.
                 Action::Damping | Action::Mass => wire.answer(&vec![0.0; n * n])?,
@@ -255,22 +197,18 @@ impl Session<'_> {
         }
     }
 
-    fn units(&self) -> (f64, f64) {
-        let s = &self.element.settings;
-        (s.length_unit.metres(), s.force_unit.newtons())
-    }
-
-    /// A trial displacement, m, to which the actuator may move.
+    /// A trial displacement, m or rad, to which the rig may move.
     fn checked(&self, mut trial: TrialResponse) -> Result<TrialResponse, End> {
-        let stroke_m = self.element.stroke_m;
         let time_s = trial.time_s;
-        for (u, j) in trial.displacement.iter_mut().zip(1..) {
+        let places = trial.displacement.iter_mut().zip(&self.element.coordinates);
+        for ((u, c), j) in places.zip(1..) {
             let sent = *u;
-            *u *= self.element.settings.length_unit.metres();
-            if !(-stroke_m..=stroke_m).contains(u) {
+            *u *= c.displacement_per_wire;
+            if !(-c.limit..=c.limit).contains(u) {
                 return Err(End::Refused(format!(
                     "the client sends displacement {j} = {sent} at {time_s} s, which the rig is not moved to: accepted are \
-                     {stroke_m} m (limits.displacement_m) to both sides"
+                     {} {} ({}) to both sides",
+                    c.limit, c.unit, c.limit_key
                 )));
             }
         }
@@ -292,8 +230,8 @@ impl Session<'_> {
         if let Some((before, _)) = &self.last {
             let apart = before.displacement.iter().zip(&trial.displacement);
             let same_place = apart
-                .clone()
-                .all(|(a, b)| (a - b).abs() <= SAME * self.element.stroke_m);
+                .zip(&self.element.coordinates)
+                .all(|((a, b), c)| (a - b).abs() <= SAME * c.limit);
             let same_step = !self.committed && before.time_s == trial.time_s;
             if same_step && !same_place {
                 return Err(End::Refused(format!(
@@ -345,6 +283,16 @@ impl Session<'_> {
         Ok(())
     }
 
+    /// The figures of each coordinate, where they have names.
+    fn coordinate_figures(&self, ledger: &Ledger) -> Vec<CoordinateFigures> {
+        let all = self.element.coordinates.iter().enumerate();
+        let named = all.filter_map(|(j, c)| {
+            let followed = ledger.followed.get(j).copied().unwrap_or_default();
+            Some(CoordinateFigures::of(c.name.clone()?, &followed))
+        });
+        named.collect()
+    }
+
     fn summary(&mut self, client: &str, end: End) -> SessionSummary {
         let (verdict, reason, trip) = match &end {
             End::Completed => (SessionVerdict::Completed, None, None),
@@ -363,7 +311,7 @@ impl Session<'_> {
         };
         // A rig that was not moved for this client has the figures of the last one.
         let ledger = match self.first {
-            Some(_) => *self.rig.ledger(),
+            Some(_) => self.rig.ledger().clone(),
             None => Ledger::default(),
         };
         let wall_s = match (self.first, self.answered) {
@@ -371,7 +319,14 @@ impl Session<'_> {
             _ => 0.0,
         };
         let targets = ledger.targets;
-        let count = (targets * self.element.storeys).max(1) as f64;
+        // m and rad are not mixed: of x and a rotation x alone.
+        let coordinates = self.coordinate_figures(&ledger);
+        let alike = if coordinates.is_empty() {
+            &ledger.followed[..]
+        } else {
+            ledger.followed.get(..1).unwrap_or_default()
+        };
+        let displacement = Followed::together(alike);
         let rate_hz = self.element.rate_hz;
         SessionSummary {
             client: client.to_owned(),
@@ -390,9 +345,10 @@ impl Session<'_> {
             } else {
                 0.0
             },
-            peak_displacement_m: ledger.peak_m,
-            tracking_rms_m: (ledger.tracking.0 / count).sqrt(),
-            tracking_max_m: ledger.tracking.1,
+            peak_displacement_m: displacement.peak,
+            tracking_rms_m: displacement.rms(),
+            tracking_max_m: displacement.most,
+            coordinates,
             energy_error_j: f64::from(ledger.energy.modified_j),
             energy_error_hsem_j: f64::from(ledger.energy.hsem_j),
             energy_error_stiffness_j: f64::from(ledger.energy.stiffness_j),

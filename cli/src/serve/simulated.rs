@@ -4,10 +4,13 @@ use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::scope::Scope;
+use experiment::bench::sample;
+use experiment::coupled::settings;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::floors::with_floors;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Sample};
+use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Pace, Rig, Sample};
+use plant::coupled::CoupledReading;
 use std::time::{Duration, Instant};
 
 /// Idle steps before arming: the loop averages where the specimen stands.
@@ -27,31 +30,69 @@ pub fn simulated(
     scope: Option<Scope>,
 ) -> Result<Box<dyn Mover>, Failure> {
     let config = &test.config;
+    let rate_hz = config.timing.rate_hz;
+    if let Some(part) = &test.coupled {
+        let declared = &part.declared;
+        let design = settings::design::<2>(declared, config, declared.compensation)?;
+        let (coupler, sensors) = (&declared.coupler, &test.plant.sensors);
+        let rig = plant::coupled::CoupledRig::new(&part.rig, coupler, sensors, rate_hz, seed);
+        let rig = Simulated::new(design, rig.map_err(Failure::input)?, test);
+        return Ok(Box::new(Travel::new(rig, test, keep, scope)));
+    }
     with_floors!(config.degrees_of_freedom(), N => {
-        let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
-        let design = Design::<N>::new(config).map_err(refused)?;
-        let rate_hz = config.timing.rate_hz;
+        let design = Design::<N>::new(config).map_err(Failure::input)?;
         let stiffness = &config.structure.stiffness_n_per_m;
         let rig = plant::Rig::new(&test.plant, stiffness, rate_hz, seed)
             .map_err(Failure::input)?;
-        let mut outer = OuterLoop::new(design);
-        outer.set_pace(Some(test.serve.pace));
-        let simulated = Simulated::<N> {
-            outer,
-            rig,
-            command_m: [0.0; N],
-            pace: test.serve.pace,
-            rate_hz,
-            steps: 0,
-            clock: None,
-        };
+        let simulated = Simulated::new(design, rig, test);
         Ok(Box::new(Travel::new(simulated, test, keep, scope)))
     })
 }
 
-struct Simulated<const N: usize> {
-    outer: OuterLoop<N>,
-    rig: plant::Rig,
+/// What stands in for the laboratory.
+trait Laboratory<const N: usize> {
+    /// One control period under these commands, m.
+    fn period(&mut self, command_m: &[f64; N]) -> Sampled<N>;
+}
+
+/// What the loop samples of it, and what is behind that.
+struct Sampled<const N: usize> {
+    sample: Sample<N>,
+    behind: Behind<N>,
+}
+
+/// What is behind a sample.
+enum Behind<const N: usize> {
+    /// Displacement, m, and force, N, of each storey, with more digits than a sample has.
+    Storeys([[f64; N]; 2]),
+    /// Two coupled actuators, whose readings are not those of x and rotation.
+    Interface(CoupledReading),
+}
+
+impl<const N: usize> Laboratory<N> for plant::Rig {
+    fn period(&mut self, command_m: &[f64; N]) -> Sampled<N> {
+        let read = self.step(command_m);
+        let channels = [&read.displacement_m, &read.force_n];
+        Sampled {
+            sample: sample((channels[0], channels[1]), read.at_rail),
+            behind: Behind::Storeys(channels.map(|all| std::array::from_fn(|j| all[j]))),
+        }
+    }
+}
+
+impl Laboratory<2> for plant::coupled::CoupledRig {
+    fn period(&mut self, command_m: &[f64; 2]) -> Sampled<2> {
+        let read = self.step(*command_m);
+        Sampled {
+            sample: sample((&read.stroke_m, &read.force_n), read.at_rail),
+            behind: Behind::Interface(read),
+        }
+    }
+}
+
+struct Simulated<const N: usize, R: Rig<N>, L> {
+    outer: OuterLoop<N, R>,
+    rig: L,
     command_m: [f64; N],
     pace: Pace,
     rate_hz: f64,
@@ -60,42 +101,45 @@ struct Simulated<const N: usize> {
     clock: Option<(Instant, u64)>,
 }
 
-impl<const N: usize> Simulated<N> {
+impl<const N: usize, R: Rig<N>, L: Laboratory<N>> Simulated<N, R, L> {
+    fn new(design: Design<N, R>, rig: L, test: &TestFile) -> Self {
+        let mut outer = OuterLoop::new(design);
+        outer.set_pace(Some(test.serve.pace));
+        Self {
+            outer,
+            rig,
+            command_m: [0.0; N],
+            pace: test.serve.pace,
+            rate_hz: test.config.timing.rate_hz,
+            steps: 0,
+            clock: None,
+        }
+    }
+
     /// One control period, whatever the clock says.
     fn period(&mut self) -> ServedStep<N> {
-        let reading = self.rig.step(&self.command_m);
-        let mut sample = Sample::new([0.0; N], [0.0; N]);
-        for j in 0..N {
-            sample.displacement_m[j] = reading.displacement_m[j] as f32;
-            sample.force_n[j] = reading.force_n[j] as f32;
-        }
-        sample.fault = reading.at_rail.then_some(Fault::AdcRail);
+        let Sampled { sample, behind } = self.rig.period(&self.command_m);
         let step = self.outer.step(&sample, &GroundMotion::none());
         self.command_m = step.command_m.map(f64::from);
         let record = *step.record;
         self.steps += 1;
-        // What core takes out of a sample is taken out of the reading, which has more digits.
-        let better = |reading: f64, estimate: f32, sample: f32| {
-            reading + (f64::from(estimate) - f64::from(sample))
-        };
-        let each = |f: &dyn Fn(usize) -> f64| (0..N).map(f).collect();
-        let reached = TargetMeasurement {
-            displacement_m: each(&|j| {
-                let estimate = record.estimated_displacement_m[j];
-                better(
-                    reading.displacement_m[j],
-                    estimate,
-                    sample.displacement_m[j],
-                )
-            }),
-            force_n: each(&|j| {
-                let estimate = record.estimated_force_n[j];
-                better(reading.force_n[j], estimate, sample.force_n[j])
-            }),
+        let mut reached = TargetMeasurement::estimated(&record);
+        let coupled = match behind {
+            Behind::Interface(read) => Some(read),
+            // What core takes out of a sample is taken out of the reading, which has more digits.
+            Behind::Storeys([displacement_m, force_n]) => {
+                for j in 0..N {
+                    reached.displacement_m[j] +=
+                        displacement_m[j] - f64::from(sample.displacement_m[j]);
+                    reached.force_n[j] += force_n[j] - f64::from(sample.force_n[j]);
+                }
+                None
+            }
         };
         ServedStep {
             record,
             reached,
+            coupled,
             ended: self.outer.trip().map(Stop::Tripped),
         }
     }
@@ -137,7 +181,7 @@ impl<const N: usize> Simulated<N> {
     }
 }
 
-impl<const N: usize> ServedRig<N> for Simulated<N> {
+impl<const N: usize, R: Rig<N>, L: Laboratory<N>> ServedRig<N> for Simulated<N, R, L> {
     fn begin(&mut self) -> Result<(), Failure> {
         for _ in 0..IDLE_STEPS {
             self.approach()?;

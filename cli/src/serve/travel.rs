@@ -1,5 +1,6 @@
 //! How a rig is taken from target to target: stop and go, or continuously.
 
+use super::element::declared_stiffness;
 use super::ledger::Ledger;
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
@@ -18,7 +19,10 @@ pub struct Travel<const N: usize, R> {
     rig: R,
     settings: Settings,
     rate_hz: f64,
-    shear_n_per_m: Vec<f64>,
+    /// A record without a step.
+    nothing: Trace,
+    /// Declared, row by row.
+    stiffness: Vec<f64>,
     /// Targets that were given, and observations that core has made: one at the start, one at each target.
     given: usize,
     observed: usize,
@@ -37,12 +41,13 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
             rig,
             settings: test.serve,
             rate_hz,
-            shear_n_per_m: shear_frame(&test.config.structure.stiffness_n_per_m),
+            stiffness: declared_stiffness(test),
             given: 0,
             observed: 0,
             moves: false,
             ledger: Ledger::default(),
-            trace: keep.then(|| Trace::new(N, rate_hz)),
+            trace: keep.then(|| test.trace()),
+            nothing: test.trace(),
             scope,
         }
     }
@@ -58,7 +63,10 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
 
     /// Counts a step and shows it.
     fn observe_step(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
-        let record = &AnyRecord::from(&seen.record);
+        let record = &AnyRecord {
+            coupled: seen.coupled.as_ref(),
+            ..AnyRecord::from(&seen.record)
+        };
         self.scope.on_idle_step(record);
         self.take_scope_request()?;
         if record.mode().is_some_and(Mode::integrates) {
@@ -145,11 +153,11 @@ impl<const N: usize, R: ServedRig<N>> Mover for Travel<N, R> {
         };
         let apart = target_m.iter().zip(&reached.displacement_m);
         let apart: Vec<f64> = apart.map(|(target, now)| now - target).collect();
-        self.ledger.reached(target_m, apart.iter().copied());
+        self.ledger.reached(target_m, &apart);
         if self.settings.pace == Pace::StopAndGo && self.settings.carry_force {
             for j in 0..N {
                 for k in 0..N {
-                    reached.force_n[j] -= self.shear_n_per_m[j * N + k] * apart[k];
+                    reached.force_n[j] -= self.stiffness[j * N + k] * apart[k];
                 }
             }
         }
@@ -187,37 +195,10 @@ impl<const N: usize, R: ServedRig<N>> Mover for Travel<N, R> {
 
     fn take_trace(&mut self) -> Option<Trace> {
         let trace = self.trace.as_mut()?;
-        Some(std::mem::replace(trace, Trace::new(N, self.rate_hz)))
+        Some(std::mem::replace(trace, self.nothing.clone()))
     }
 
     fn on_board(&self) -> Option<OnBoard> {
         self.rig.on_board()
-    }
-}
-
-/// The stiffness matrix of a shear frame, row by row, from its storeys' stiffnesses.
-pub fn shear_frame(storeys: &[f64]) -> Vec<f64> {
-    let n = storeys.len();
-    let mut matrix = vec![0.0; n * n];
-    for (j, k) in storeys.iter().enumerate() {
-        matrix[j * n + j] += k;
-        if let Some(below) = j.checked_sub(1) {
-            matrix[below * n + below] += k;
-            matrix[below * n + j] -= k;
-            matrix[j * n + below] -= k;
-        }
-    }
-    matrix
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shear_frame;
-
-    #[test]
-    fn storeys_make_a_shear_frame() {
-        assert_eq!(shear_frame(&[158e3]), [158e3]);
-        let two = [5.0, -2.0, -2.0, 2.0];
-        assert_eq!(shear_frame(&[3.0, 2.0]), two);
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
         None => Ok(()),
         Some((option, _)) => Err(Failure::input(format!(
             "{option} has no meaning for a test of two coupled actuators, [coupled]: accepted are run, compare, \
-             check, sweep, replay and diff, and of these run on a board, too"
+             check, sweep, serve, replay and diff, and of these run and serve on a board, too"
         ))),
     }
 }

@@ -63,7 +63,10 @@ impl Serve {
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
-        let test = TestFile::load(&self.test, &self.overrides)?;
+        let test = TestFile::load_any(&self.test, &self.overrides)?;
+        if test.coupled.is_some() {
+            super::coupled::refuse(&[("--scope", self.scope.is_wanted())])?;
+        }
         let looks = test
             .watch
             .only_looks("by serve, whose targets come from outside");

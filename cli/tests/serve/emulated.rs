@@ -1,6 +1,7 @@
 //! The same on the flashed image, behind an emulated board.
 
 use crate::client::{STIFFNESS, Server};
+use crate::coupled::{SPECIMEN, STANDS, TARGETS, figure, times};
 use crate::{MISCHIEF, continuous, now_and_then, passes_its_force_limit, without_a_jump};
 
 /// PERMIT is low after whatever a client does, nothing is lost, and the next one is served.
@@ -155,4 +156,53 @@ fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_free
         let lost = (&board["steps_lost"], &board["steps_different"]);
         assert_eq!(lost, (&0.into(), &0.into()));
     }
+}
+
+/// Two actuators on one coupler are the first two of that image: x and rotation stand where a model sends them, both load cells
+/// together answer with the specimen's force and moment, and a rotation beyond its limit moves nothing.
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn two_coupled_actuators_of_the_emulated_board_answer_a_model_with_force_and_moment() {
+    let own = ["--emulated", "--set", "plant.coupled.specimen.springs=[]"];
+    let mut server = Server::of("examples/coupled-frame.toml", &[&own[..], &STANDS].concat());
+    let mut client = server.client_of(2);
+    for (i, u) in (1..).zip(TARGETS) {
+        let force = client.step_all(u, 0.01 * f64::from(i)).unwrap();
+        let specimen = times(&SPECIMEN, u);
+        println!("{force:?} N, N m at {u:?}; the specimen has {specimen:?}");
+        for j in 0..2 {
+            assert!(
+                (force[j] - specimen[j]).abs() < [12.0, 6.0][j],
+                "{force:?} {specimen:?}"
+            );
+        }
+    }
+    let answer = client.step_all([0.0, 0.06], 0.1).unwrap();
+    assert!(answer.iter().all(|force| force.is_nan()), "{answer:?}");
+    client.say(&[99.0]);
+    let account = server.account();
+    assert_eq!(account["verdict"], "refused", "{account}");
+    let said = account["reason"].as_str().unwrap_or_default();
+    assert!(
+        said.contains("0.05 rad (coupled.limits.rotation_rad)"),
+        "{said}"
+    );
+    assert_eq!(
+        (&account["targets"], &account["permit"]),
+        (&5.into(), &false.into())
+    );
+    println!("{account}");
+    // Noise of the readings, and their codes.
+    for (j, most) in [(0, 1e-4), (1, 5e-4)] {
+        assert!(figure(&account, j, "tracking_max") < most, "{account}");
+    }
+    let board = &account["board"];
+    let lost = (&board["steps_lost"], &board["steps_different"]);
+    assert_eq!(lost, (&0.into(), &0.into()));
+    assert_eq!(board["timing"]["overruns"], 0, "{account}");
+    // The next client finds it as it was.
+    let mut next = server.client_of(2);
+    assert!(next.step_all([1e-3, 2e-3], 0.01).unwrap()[0].is_finite());
+    next.say(&[99.0]);
+    assert_eq!(server.account()["verdict"], "completed");
 }

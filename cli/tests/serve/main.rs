@@ -5,6 +5,7 @@
 mod client;
 #[path = "../common/mod.rs"]
 mod common;
+mod coupled;
 mod emulated;
 
 use client::{Client, STIFFNESS, Server, integrate};
@@ -42,6 +43,10 @@ fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_secon
     assert_eq!(account["permit"], false);
     assert!((account["peak_displacement_m"].as_f64().unwrap() / peak - 1.0).abs() < 1e-6);
     assert!(account["tracking_max_m"].as_f64().unwrap() < 1e-7);
+    assert!(
+        account.get("coordinates").is_none(),
+        "x and rotation are others'"
+    );
 }
 
 type Mischief = fn(&mut Client);

@@ -5,9 +5,10 @@ use experiment::coupled::interface::InterfaceTrace;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::{Summary, TestVerdict};
-use experiment::trace::{Response, Trace};
+use experiment::trace::{AnyRecord, Response, TestObserver, Trace};
 use experiment::{Experiment, Shaking};
 use nalgebra::{SMatrix, SVector};
+use outerloop_core::{Event, Mode};
 use plant::linear::Linear;
 
 const EXAMPLE: &str = "examples/coupled-frame.toml";
@@ -120,6 +121,59 @@ fn a_shaking_turned_round_turns_everything_round() {
             .fold(0.0_f32, |m, (x, y)| m.max((x + y).abs()));
         assert!(off < 1e-4 * peak, "{off} of {peak}");
     }
+}
+
+/// Holds a running test, and looks where the interface stands then.
+#[derive(Default)]
+struct Held {
+    done: usize,
+    steps: usize,
+    target: [f32; 2],
+    off: [f32; 2],
+}
+
+impl TestObserver for Held {
+    fn on_step(&mut self, _: &AnyRecord<'_>) {
+        self.done += 1;
+    }
+
+    fn on_idle_step(&mut self, r: &AnyRecord<'_>) {
+        if r.mode() == Some(Mode::Holding) {
+            self.steps += 1;
+            self.target = [0, 1].map(|i| r.command_m[i]);
+            self.off = [0, 1].map(|i| r.estimated_displacement_m[i] - r.command_m[i]);
+        }
+    }
+
+    fn requested_event(&mut self) -> Option<Event> {
+        match (self.done, self.steps) {
+            (6350, 0) => Some(Event::Hold),
+            (_, 1500) => Some(Event::Stop),
+            _ => None,
+        }
+    }
+}
+
+/// The structure's modes, which a hold stops, would pull the interface towards zero.
+#[test]
+fn in_a_hold_the_interface_stands_where_it_is_held() {
+    let e = experiment(&[]);
+    let mut held = Held::default();
+    let ideal = e.ideal().unwrap();
+    e.run(e.test.compensation(), &ideal, 1, false, &mut held)
+        .unwrap();
+    let Held {
+        steps, target, off, ..
+    } = held;
+    println!("off by {off:?} of {target:?}");
+    assert!(
+        steps >= 1500 && target[0].abs() > 5e-3,
+        "{steps} {target:?}"
+    );
+    assert!(
+        off[0].abs() < 5e-5 && off[1].abs() < 5e-4,
+        "{off:?} of {target:?}"
+    );
 }
 
 #[test]
@@ -359,7 +413,6 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         ],
     );
     refused(&["monte-carlo", EXAMPLE], &["run, compare, check, sweep"]);
-    refused(&["serve", EXAMPLE], &["run, compare, check, sweep"]);
     refused(
         &["run", EXAMPLE, "--compensation", "paper"],
         &["paper", "coupled-fixed"],

@@ -3,6 +3,12 @@
 //! The target is the response of a structure to a ground motion that is known: a sum of a few modes,
 //! `q'' + 2 zeta omega q' + omega^2 q = gamma a_g + w`. A steady Kalman filter keeps them in step with the target that
 //! the integration gives; the derivatives are those of the modes.
+//!
+//! A target that no such structure moves (on the way to the start, in a hold, from a model outside) may stand where those
+//! modes would not: they would pull the actuators towards zero. It is followed as a free mass is, whose velocity stands but for
+//! what the target says. That mass takes over the same share `alpha` of a difference in place as the modes do together, and the
+//! share of it in velocity that belongs to a steady Kalman filter, `beta = 2 (2 - alpha) - 4 sqrt(1 - alpha)` (Kalata, The
+//! tracking index, IEEE Trans. Aerospace and Electronic Systems 20, 1984).
 
 use super::inverse::Jet;
 use crate::refusal::Refusal;
@@ -60,6 +66,8 @@ pub struct ObserverConstants {
     modes: [ModeConstants; MAX_MODES],
     count: usize,
     period_s: f32,
+    /// By how much displacement and velocity of the free mass follow an error of the target.
+    free_gain: [f32; 2],
 }
 
 type Matrix = [[f64; STATES]; STATES];
@@ -146,7 +154,8 @@ impl ObserverConstants {
     /// For samples `period_s` apart.
     ///
     /// # Errors
-    /// No mode, or one that cannot be followed; a gain that is not finite.
+    /// No mode, or one that cannot be followed; a gain that is not finite, or gains that take over nothing or more than all of a
+    /// difference.
     pub fn new(observer: &SteadyObserver, period_s: f64) -> Result<Self, Refusal> {
         check_modes(observer.modes.iter().map(|(mode, _)| mode), period_s)?;
         let mut modes = [ModeConstants::default(); MAX_MODES];
@@ -169,10 +178,17 @@ impl ObserverConstants {
                 gain: gain.map(|g| g as f32),
             };
         }
+        let alpha: f64 = observer.modes.iter().map(|(_, gain)| gain[0]).sum();
+        if !(alpha > 0.0 && alpha < 1.0) {
+            let accepted = "gains of displacement whose sum is above 0, below 1";
+            return Err(refused("observer.gain", alpha, accepted));
+        }
+        let beta = 2.0 * (2.0 - alpha) - 4.0 * libm::sqrt(1.0 - alpha);
         Ok(Self {
             modes,
             count: observer.modes.len(),
             period_s: period_s as f32,
+            free_gain: [alpha as f32, (beta / period_s) as f32],
         })
     }
 }
@@ -240,6 +256,8 @@ pub struct Observer {
     /// Displacement and velocity of each mode.
     modes: [[f32; 2]; MAX_MODES],
     ground_m_per_s2: f32,
+    /// Displacement and velocity of the free mass.
+    free: [f32; 2],
 }
 
 impl Observer {
@@ -248,11 +266,41 @@ impl Observer {
         Self {
             modes: [[0.0; 2]; MAX_MODES],
             ground_m_per_s2: 0.0,
+            free: [0.0; 2],
         }
     }
 
-    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives.
-    pub fn update(&mut self, k: &ObserverConstants, target: f32, ground_m_per_s2: f32) -> Jet<4> {
+    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives. They are the modes' by the
+    /// share `driven`, from 0 to 1, in which the structure moves the target, and for the rest the free mass'.
+    pub fn update(
+        &mut self,
+        k: &ObserverConstants,
+        target: f32,
+        ground_m_per_s2: f32,
+        driven: f32,
+    ) -> Jet<4> {
+        let free = self.update_free(k, target);
+        let modes = self.update_modes(k, target, ground_m_per_s2);
+        let rest = 1.0 - driven;
+        // From the modes on: a target that they alone move has their derivatives to the bit.
+        core::array::from_fn(|n| modes[n] + rest * (free[n] - modes[n]))
+    }
+
+    fn update_free(&mut self, k: &ObserverConstants, target: f32) -> Jet<4> {
+        let [x, v] = self.free;
+        let expected = x + k.period_s * v;
+        let mut error = target - expected;
+        if !error.is_finite() {
+            error = 0.0;
+        }
+        self.free = [
+            expected + k.free_gain[0] * error,
+            v + k.free_gain[1] * error,
+        ];
+        [self.free[0], self.free[1], 0.0, 0.0]
+    }
+
+    fn update_modes(&mut self, k: &ObserverConstants, target: f32, ground_m_per_s2: f32) -> Jet<4> {
         let held = 0.5 * (ground_m_per_s2 + self.ground_m_per_s2);
         let jerk = (ground_m_per_s2 - self.ground_m_per_s2) / k.period_s;
         self.ground_m_per_s2 = ground_m_per_s2;
@@ -327,7 +375,7 @@ mod tests {
                 exact[1] += x[1];
                 exact[2] += a;
             }
-            let jet = observer.update(&k, exact[0] as f32, ground(t) as f32);
+            let jet = observer.update(&k, exact[0] as f32, ground(t) as f32, 1.0);
             for n in 0..3 {
                 if step > 512 {
                     error[n] = error[n].max((f64::from(jet[n]) - exact[n]).abs());
@@ -356,6 +404,36 @@ mod tests {
                 size[n]
             );
         }
+    }
+
+    #[test]
+    fn a_target_that_nothing_drives_is_met_where_it_stands_and_on_its_way() {
+        let period = 1.0 / 1024.0;
+        let steady = settings().steady(period).unwrap();
+        let k = ObserverConstants::new(&steady, period).unwrap();
+        let speed = 0.05;
+        let mut observer = Observer::at_rest();
+        for step in 0..1024 {
+            let (from, to) = (step.min(512), (step + 1).min(512));
+            let target = speed * to as f32 * period as f32;
+            let [x, v, a, j] = observer.update(&k, target, 0.0, 0.0);
+            // A corner is behind it within 60 ms.
+            if !(64..512).contains(&step) && step < 512 + 64 {
+                continue;
+            }
+            let now = speed * (to - from) as f32;
+            assert!((x - target).abs() < 2e-8, "{step}: {x} of {target} m");
+            assert!((v - now).abs() < 1e-5, "{step}: {v} of {now} m/s");
+            assert_eq!([a, j], [0.0, 0.0]);
+        }
+    }
+
+    #[test]
+    fn gains_that_take_over_more_than_a_difference_are_refused() {
+        let mut steady = settings().steady(1e-3).unwrap();
+        steady.modes[0].1[0] = 1.5;
+        let refused = ObserverConstants::new(&steady, 1e-3).unwrap_err();
+        assert_eq!(refused.name, "observer.gain");
     }
 
     #[test]

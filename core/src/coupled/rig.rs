@@ -16,7 +16,7 @@ use crate::float::{larger, smaller};
 use crate::rig::{Asked, CommandMap, Rig};
 use crate::supervise::{Checked, Finding, InterlockLimits, Mode, first_fault, within};
 
-/// By how much the share of the ground's acceleration changes in a control step.
+/// By how much the share in which the structure moves the target changes in a control step.
 const SHARE_STEP: f32 = 1.0 / 64.0;
 /// What the axes of x and rotation are counted from in a fault: behind those of every actuator that a loop can have.
 pub const INTERFACE_AXIS: u8 = MAX_DOF as u8;
@@ -41,9 +41,9 @@ pub struct CoupledRig {
     interface: Pair,
     /// Force along x and moment about the interface, N and N m.
     force: Pair,
-    /// Share of the ground's acceleration that the observers get. It is 0 outside a running test and changes
-    /// gradually, because a jump of it would jerk the actuators.
-    shaken: f32,
+    /// Share in which the structure, and with it the ground, moves the target. It is 0 outside a running test and where the
+    /// targets come from outside, and changes gradually, because a jump of it would jerk the actuators.
+    driven: f32,
 }
 
 impl CoupledRig {
@@ -98,7 +98,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
             turn_per_metre: constants.turn_per_metre,
             interface: [0.0; 2],
             force: [0.0; 2],
-            shaken: 0.0,
+            driven: 0.0,
         }
     }
 
@@ -107,7 +107,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
 
     fn restart(&mut self) {
         self.tracker.restart();
-        (self.interface, self.force, self.shaken) = ([0.0; 2], [0.0; 2], 0.0);
+        (self.interface, self.force, self.driven) = ([0.0; 2], [0.0; 2], 0.0);
     }
 
     fn correct(
@@ -136,14 +136,17 @@ impl<const N: usize> Rig<N> for CoupledRig {
         if asked.mode == Mode::Tripped {
             return *asked.sent_m;
         }
-        let change = if asked.mode.integrates() {
+        let change = if asked.mode.integrates() && !asked.from_outside {
             SHARE_STEP
         } else {
             -SHARE_STEP
         };
-        self.shaken = smaller(larger(self.shaken + change, 0.0), 1.0);
-        let ground_m_per_s2 = self.shaken * asked.ground.at(asked.step);
-        let command_m = self.tracker.command(&pair(asked.aim_m), ground_m_per_s2);
+        self.driven = smaller(larger(self.driven + change, 0.0), 1.0);
+        let ground_m_per_s2 = self.driven * asked.ground.at(asked.step);
+        let aim = pair(asked.aim_m);
+        let command_m = self
+            .tracker
+            .command_driven(&aim, ground_m_per_s2, self.driven);
         with_pair(asked.aim_m, command_m)
     }
 

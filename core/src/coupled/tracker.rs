@@ -134,15 +134,26 @@ impl Tracker {
         (stroke_m, k.settings.coupler.interface(&stroke_m))
     }
 
-    /// Commands that bring the interface to `target` (x in m, theta in rad), m.
+    /// Commands that bring the interface to `target` (x in m, theta in rad), m, which a structure moves that is shaken so.
     pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> Pair {
+        self.command_driven(target, ground_m_per_s2, 1.0)
+    }
+
+    /// The same where the structure moves the target by the share `driven` alone, see [`Observer::update`].
+    pub(super) fn command_driven(
+        &mut self,
+        target: &Pair,
+        ground_m_per_s2: f32,
+        driven: f32,
+    ) -> Pair {
         if !self.constants.settings.inverse {
             let [x, theta] = *target;
             return self.constants.settings.coupler.strokes_m(x, theta);
         }
         let k = &self.constants;
-        let x = self.observers[0].update(&k.observers[0], target[0], ground_m_per_s2);
-        let theta = self.observers[1].update(&k.observers[1], target[1], ground_m_per_s2);
+        let [x, theta] = core::array::from_fn(|i| {
+            self.observers[i].update(&k.observers[i], target[i], ground_m_per_s2, driven)
+        });
         let ahead_s = k.settings.ahead_s;
         let (x, theta) = (held_back(x, ahead_s), held_back(theta, ahead_s));
         let coupler = &k.settings.coupler;
@@ -165,4 +176,70 @@ fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
         a - by_s * j,
         j,
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::forward::Forward;
+    use super::super::observer::{ObserverSettings, VibrationMode};
+    use super::super::plant::{MAX_PARAMETERS, Spreads, tests::FRAME};
+    use super::*;
+
+    const PERIOD_S: f32 = 1.0 / 1024.0;
+
+    fn tracker() -> Tracker {
+        let observer = |hz: f64, participation| {
+            let mode = VibrationMode {
+                omega_rad_per_s: core::f64::consts::TAU * hz,
+                damping_ratio: 0.04,
+                participation,
+            };
+            let of_one = ObserverSettings {
+                modes: [mode].into_iter().collect(),
+                noise: 8e-7,
+                process_per_s2: 0.2,
+            };
+            of_one.steady(f64::from(PERIOD_S)).unwrap()
+        };
+        let settings = TrackerSettings {
+            coupler: Coupler {
+                pin_x_m: [0.267; 2],
+                pin_y_m: [-0.127, 0.127],
+            },
+            estimate: EstimatorSettings {
+                plant: FRAME,
+                spreads: Spreads::new(),
+                noise_m: 2e-5,
+                period_s: PERIOD_S,
+            },
+            inverse: true,
+            target: [observer(2.2, -1.0), observer(9.0, 0.0)],
+            ahead_s: PERIOD_S,
+            trust_reading_hz: 5.0,
+        };
+        Tracker::at_rest(TrackerConstants::new(&settings).unwrap())
+    }
+
+    /// How far the interface is from 20 mm and 20 mrad, where it has stood for a second after a way of two.
+    fn off(driven: f32) -> Pair {
+        let (mut tracker, mut rig) = (tracker(), Forward::at_rest());
+        let (mut sent_m, mut slopes) = ([0.0; 2], [[0.0; MAX_PARAMETERS]; 2]);
+        let mut at = [0.0; 2];
+        for step in 0..3 * 1024 {
+            let strokes_m = rig.step(&FRAME, &Spreads::new(), PERIOD_S, &sent_m, &mut slopes);
+            at = tracker.observe(&sent_m, &strokes_m).1;
+            let target = 0.02 * (step as f32 / 2048.0).min(1.0);
+            sent_m = tracker.command_driven(&[target; 2], 0.0, driven);
+        }
+        at.map(|at| at - 0.02)
+    }
+
+    #[test]
+    fn a_target_from_outside_is_where_the_interface_comes_to_stand() {
+        let [free, modal] = [off(0.0), off(1.0)];
+        for i in 0..2 {
+            assert!(free[i].abs() < 1e-7, "{free:?}");
+            assert!(modal[i].abs() > 1e-3, "the modes pull: {modal:?}");
+        }
+    }
 }

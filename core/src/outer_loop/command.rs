@@ -83,6 +83,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             aim_m,
             sent_m: &self.sent_m,
             mode: self.mode,
+            from_outside: self.pace.is_some(),
             ground,
             step: self.step,
         };

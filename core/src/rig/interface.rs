@@ -13,6 +13,8 @@ pub struct Asked<'a, const N: usize> {
     pub sent_m: &'a [f32; N],
     /// What the loop is doing.
     pub mode: Mode,
+    /// The targets of a running test come from outside: what moves them is not known here.
+    pub from_outside: bool,
     /// What shakes the structure.
     pub ground: &'a GroundMotion<'a>,
     /// The integration step that comes next.

@@ -30,6 +30,20 @@ pub enum Breakage {
     DeadForce,
 }
 
+/// What the loop samples of a simulated rig: displacements, m, and forces, N, as its converters deliver them.
+pub fn sample<const N: usize>(
+    (displacement_m, force_n): (&[f64], &[f64]),
+    at_rail: bool,
+) -> Sample<N> {
+    let mut sample = Sample::new([0.0; N], [0.0; N]);
+    for j in 0..N.min(displacement_m.len()).min(force_n.len()) {
+        sample.displacement_m[j] = displacement_m[j] as f32;
+        sample.force_n[j] = force_n[j] as f32;
+    }
+    sample.fault = at_rail.then_some(Fault::AdcRail);
+    sample
+}
+
 /// A simulated rig.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantBench<'a> {
@@ -68,10 +82,9 @@ impl Bench for PlantBench<'_> {
                 rig.begin_test(config.timing.time_scale);
             }
             let reading = rig.step(&command_m[..physical]);
-            let mut sample = Sample::new([0.0; N], [0.0; N]);
+            let read = (&reading.displacement_m[..], &reading.force_n[..]);
+            let mut sample = sample(read, reading.at_rail);
             for j in 0..physical {
-                sample.displacement_m[j] = reading.displacement_m[j] as f32;
-                sample.force_n[j] = reading.force_n[j] as f32;
                 let noise_m = reading.displacement_m[j] - reading.true_displacement_m[j];
                 let noise_n = reading.force_n[j] - reading.true_force_n[j];
                 match broken {
@@ -87,7 +100,6 @@ impl Bench for PlantBench<'_> {
                     }
                 }
             }
-            sample.fault = reading.at_rail.then_some(Fault::AdcRail);
             (sample, None)
         })?;
         Ok(ending)
@@ -106,13 +118,8 @@ impl Bench for PlantBench<'_> {
                 .map_err(Failure::input)?;
         let (ending, outer) = self.drive(test, observer, |command_m, _, _| {
             let reading = rig.step([0, 1].map(|i| command_m.get(i).copied().unwrap_or(0.0)));
-            let mut sample = Sample::new([0.0; N], [0.0; N]);
-            for i in 0..N.min(2) {
-                sample.displacement_m[i] = reading.stroke_m[i] as f32;
-                sample.force_n[i] = reading.force_n[i] as f32;
-            }
-            sample.fault = reading.at_rail.then_some(Fault::AdcRail);
-            (sample, Some(reading))
+            let read = (&reading.stroke_m[..], &reading.force_n[..]);
+            (sample(read, reading.at_rail), Some(reading))
         })?;
         Ok(Ending {
             actuators: Some(*outer.rig().plant()),

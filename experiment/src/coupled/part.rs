@@ -45,7 +45,7 @@ impl CoupledPart {
         let plant: PlantTable = typed("plant", plant)?;
         if let Some(other) = table.keys().next() {
             return Err(format!(
-                "{other} is refused: accepted beside [coupled] are [plant], [loop] and [excitation]"
+                "{other} is refused: accepted beside [coupled] are [plant], [loop], [serve] and [excitation]"
             ));
         }
         if timing.time_scale != 1.0 || timing.substeps != 1 {

@@ -6,7 +6,7 @@ use super::table::{
 use crate::failure::Failure;
 use crate::floors::with_floors;
 use outerloop_core::coupled::{
-    Bounds, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
+    Bounds, CoupledRig, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
     TrackerSettings, observed,
 };
 use outerloop_core::{Config, Design, Structure, modes};
@@ -83,7 +83,7 @@ pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
     }
     for kind in CoupledCompensation::ALL {
         let settings = with_floors!(c.structure.coordinates.len(), N => {
-            of::<N>(c, config, kind).and_then(|s| Design::coupled(config, &s).map_err(Failure::input)).map(drop)
+            design::<N>(c, config, kind).map(drop)
         });
         settings.map_err(|e| e.to_string())?;
     }
@@ -239,6 +239,18 @@ pub fn of<const N: usize>(
             },
         ],
     })
+}
+
+/// The loop under a compensation.
+///
+/// # Errors
+/// The first value that core refuses.
+pub fn design<const N: usize>(
+    c: &CoupledTable,
+    config: &Config,
+    kind: CoupledCompensation,
+) -> Result<Design<N, CoupledRig>, Failure> {
+    Design::coupled(config, &of::<N>(c, config, kind)?).map_err(Failure::input)
 }
 
 /// The structure, laboratory and computer together.

@@ -143,8 +143,8 @@ impl TestFile {
         let test = Self::load_any(path, overrides)?;
         if test.coupled.is_some() {
             return Err(Failure::input(format!(
-                "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep, replay \
-                 and diff",
+                "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep, serve, \
+                 replay and diff",
                 path.display()
             )));
         }
@@ -253,6 +253,8 @@ impl TestFile {
         let mut excitation: Excitation = part("excitation", table.remove("excitation"))?;
         excitation.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
+        let serve: Settings = part("serve", table.remove("serve"))?;
+        serve.check()?;
         if table.contains_key("coupled") {
             let (coupled, plant, config) = CoupledPart::take(table)?;
             return Ok(Self {
@@ -262,7 +264,7 @@ impl TestFile {
                 expected: Expected::Default,
                 excitation,
                 board: BoardWanted::default(),
-                serve: Settings::default(),
+                serve,
                 watch: WatchSettings::default(),
                 coupled: Some(Box::new(coupled)),
                 text,
@@ -272,10 +274,8 @@ impl TestFile {
         plant.effects.retain(|e| e.enabled);
         let board: BoardWanted = part("board", table.remove("board"))?;
         board.check()?;
-        let serve: Settings = part("serve", table.remove("serve"))?;
         let watch: WatchSettings = part("watch", table.remove("watch"))?;
         watch.check()?;
-        serve.check()?;
         lists_of_one(&mut table);
         let declared: Option<Model> = table
             .remove("declared")

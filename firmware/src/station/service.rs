@@ -25,7 +25,7 @@ use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cu
 use link::status::{CrashReport, StartCause, Status};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input, MAX_ACTUATORS};
-use outerloop_core::{Event, Mode, Refusal};
+use outerloop_core::{Event, Mode, Pace, Refusal};
 
 /// What does not change while the board runs.
 #[derive(Clone, Debug)]
@@ -213,7 +213,9 @@ impl Service {
             Command::Event(Event::Arm) => self.arm(),
             Command::Event(event) => self.order(Order::Event(event), Pending::Done),
             Command::History(index) => self.order(Order::History(index), Pending::Done),
-            Command::Pace(Some(_)) if self.is_coupled() => self.not_of_coupled("targets of the PC"),
+            Command::Pace(Some(Pace::Continuous)) if self.is_coupled() => {
+                self.not_of_coupled("targets without a stop")
+            }
             Command::Pace(pace) => self.order(Order::Pace(pace), Pending::Done),
             Command::Target(target_m) => self.target(target_m),
             Command::Watch(actuator, told) => self.watch(actuator, &told),
@@ -494,14 +496,22 @@ impl Service {
         self.reply(Reply::Refused(RefusedParameter::new(
             what,
             f64::NAN,
-            "a test without two coupled actuators; theirs runs on a ground motion alone",
+            "a test without two coupled actuators; theirs runs on a ground motion, or from target to target of the PC",
         )))
     }
 
     fn target(&mut self, target_m: PerActuator<f32>) -> CommandResult {
-        let refused = if target_m.len() != self.board.actuators {
+        let wanted = match &self.test {
+            Some(test) if test.coupled.is_some() => test.actuators(),
+            _ => self.board.actuators,
+        };
+        let refused = if target_m.len() != wanted {
             let count = target_m.len() as f64;
-            Some(("targets", count, "one for each of the board's actuators"))
+            Some((
+                "targets",
+                count,
+                "one for each of the board's actuators, or x and the rotation of two on one coupler",
+            ))
         } else {
             let mut wrong = target_m.iter().filter(|m| !m.is_finite());
             wrong

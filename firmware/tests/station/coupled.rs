@@ -226,6 +226,38 @@ fn a_force_of_one_actuator_and_one_about_the_coupler_trip_and_permission_falls()
 }
 
 #[test]
+fn x_and_rotation_come_to_stand_where_the_pc_sends_them() {
+    let mut bench = Bench::new();
+    done(&bench.ask(Command::Configure(test())));
+    done(&bench.ask(Command::Pace(Some(Pace::StopAndGo))));
+    let target = |all: &[f32]| Command::Target(all.iter().copied().collect());
+    let (name, said) = refused(bench.ask(target(&[1e-3, 1e-3, 0.0])));
+    assert!(
+        name == "targets" && said.contains("x and the rotation"),
+        "{said}"
+    );
+    for _ in 0..300 {
+        bench.board.step();
+    }
+    done(&bench.ask(Command::Event(Event::Arm)));
+    bench.until(Mode::Armed);
+    done(&bench.ask(target(&[4e-3, -6e-3])));
+    done(&bench.ask(Command::Event(Event::Start)));
+    for to in [[4e-3, -6e-3], [-2e-3, 9e-3]] {
+        done(&bench.ask(target(&to.map(|x| x as f32))));
+        for _ in 0..3000 {
+            bench.board.step();
+        }
+        assert_eq!(bench.board.mode(), Mode::Running);
+        let [a, b] = bench.board.hardware.board.plant.stroke_m;
+        let at = [0.5 * (a + b), (a - b) / (2.0 * ARM_M)];
+        // A code of the command is 12 um.
+        assert!((at[0] - to[0]).abs() < 2e-5, "{at:?} for {to:?}");
+        assert!((at[1] - to[1]).abs() < 2e-4, "{at:?} for {to:?}");
+    }
+}
+
+#[test]
 fn what_such_a_test_does_not_have_is_refused_in_a_sentence() {
     let mut bench = Bench::new();
     done(&bench.ask(Command::Configure(test())));
@@ -235,14 +267,14 @@ fn what_such_a_test_does_not_have_is_refused_in_a_sentence() {
         amplitude_m: 0.001,
         seconds: 5.0,
     };
-    let pace = Command::Pace(Some(Pace::StopAndGo));
+    let pace = Command::Pace(Some(Pace::Continuous));
     for (command, what) in [
         (Command::Signal(Some(signal)), "signal"),
-        (pace, "targets of the PC"),
+        (pace, "targets without a stop"),
     ] {
         let (name, said) = refused(bench.ask(command));
         assert_eq!(name, what);
-        assert!(said.contains("runs on a ground motion alone"), "{said}");
+        assert!(said.contains("runs on a ground motion, or from"), "{said}");
     }
     for (test, name) in [
         (

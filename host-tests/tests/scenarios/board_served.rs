@@ -18,7 +18,7 @@ use std::time::Duration;
 const STIFFNESS: f64 = 158e3;
 /// Numbers of a message.
 const LENGTH: usize = 16;
-const QUICK: Timeouts = Timeouts {
+pub const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(200),
     stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
@@ -58,14 +58,15 @@ fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover
     serve_on_board(test, connection, Operator::not_asked(), false, true, None).unwrap()
 }
 
-/// A client that asks for the force at each displacement, a step of 10 ms apart; what it was answered.
-fn client(address: std::net::SocketAddr, path: Vec<f64>) -> Vec<f64> {
+/// A client that asks for the forces at each place, a step of 10 ms apart; what it was answered.
+fn client<const N: usize>(address: std::net::SocketAddr, path: Vec<[f64; N]>) -> Vec<[f64; N]> {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_nodelay(true).unwrap();
     stream
         .set_read_timeout(Some(Duration::from_secs(60)))
         .unwrap();
-    let header = [1, 1, 1, 0, 1, 0, 0, 0, 1, 0, LENGTH as i32];
+    let n = N as i32;
+    let header = [n, n, n, 0, 1, 0, 0, 0, n, 0, LENGTH as i32];
     let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
     stream.write_all(&bytes).unwrap();
     let say = |stream: &mut TcpStream, numbers: &[f64]| {
@@ -78,13 +79,16 @@ fn client(address: std::net::SocketAddr, path: Vec<f64>) -> Vec<f64> {
     for (i, u) in path.into_iter().enumerate() {
         let t = 0.01 * (i + 1) as f64;
         let mut answer = [0; 8 * LENGTH];
-        let asked =
-            say(&mut stream, &[3.0, u, 0.0, 0.0, t]).and_then(|()| say(&mut stream, &[10.0]));
+        let still = [0.0; N];
+        let trial = [&[3.0], &u[..], &still, &still, &[t]].concat();
+        let asked = say(&mut stream, &trial).and_then(|()| say(&mut stream, &[10.0]));
         if asked.is_err() || stream.read_exact(&mut answer).is_err() {
             return forces;
         }
-        forces.push(f64::from_le_bytes(answer[..8].try_into().unwrap()));
-        if forces.last().unwrap().is_nan() {
+        let (numbers, _) = answer.as_chunks();
+        let force: [f64; N] = std::array::from_fn(|j| f64::from_le_bytes(numbers[j]));
+        forces.push(force);
+        if force[0].is_nan() {
             break;
         }
         let _ = say(&mut stream, &[5.0]);
@@ -99,6 +103,17 @@ fn session(
     rig: &mut dyn Mover,
     path: &[f64],
 ) -> (Vec<f64>, SessionSummary, Trace) {
+    let path: Vec<[f64; 1]> = path.iter().map(|u| [*u]).collect();
+    let (forces, summary, trace) = session_of(test, rig, &path);
+    (forces.into_flattened(), summary, trace)
+}
+
+/// The same with several degrees of freedom.
+pub fn session_of<const N: usize>(
+    test: &TestFile,
+    rig: &mut dyn Mover,
+    path: &[[f64; N]],
+) -> (Vec<[f64; N]>, SessionSummary, Trace) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let (address, path) = (listener.local_addr().unwrap(), path.to_vec());
     let outside = std::thread::spawn(move || client(address, path));
