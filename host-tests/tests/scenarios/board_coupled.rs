@@ -73,7 +73,7 @@ fn a_lost_step_ends_it_since_readings_of_the_actuators_are_not_those_of_x_and_ro
     let test = test();
     let mut rig = served(&test, |board| {
         let lose: FaultInjection<3> = Box::new(|b| b.drop_frames = 1);
-        board.mishaps.push_back((2000, lose));
+        board.incidents.push_back((2000, lose));
     });
     let (forces, summary, _) = session_of(&test, rig.as_mut(), &PATH);
     assert_eq!(
