@@ -346,7 +346,10 @@ impl Driver<Nucleo> for Laboratory {
             }
             _ => value,
         };
-        self.registers.write(access.address, value);
+        // A port or a timer without its clock does nothing of it.
+        if !self.registers.write(access.address, value) {
+            return;
+        }
         let written = (access.address, value);
         self.chain
             .written(session, &self.registers, now.at, written);

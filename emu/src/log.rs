@@ -118,6 +118,35 @@ pub enum InjectedFault {
     SlowTimer,
     /// The same, a fifth shorter.
     FastTimer,
+    /// The clock of port E is off: PERMIT, its pulses and the step's line stay where they are, and every pin of it reads low.
+    PortWithoutClock,
+    /// The force is gone for `open` control steps of every `of`.
+    ForceContact {
+        /// Steps without it.
+        open: u64,
+        /// Of so many.
+        of: u64,
+    },
+    /// The load cell's amplifier is off by so many newtons.
+    ForceOffset {
+        /// Newtons.
+        n: i32,
+    },
+    /// The load cell is dead before an amplifier that hums at 50 Hz, by so many codes to either side.
+    HummingForce {
+        /// Codes.
+        codes: u32,
+    },
+    /// The external input converter takes 9 us for a conversion: its frame is read before that has ended.
+    SlowInput,
+    /// A bit of the exponent of a point of the ground motion turns over: of the 400 from this on that by which it is off by most, below
+    /// 6 m/s^2.
+    TurnedPoint {
+        /// The first of them, from 0.
+        from: u64,
+    },
+    /// The board is reset, and the external input converter's data line is dead from then on.
+    ResetWithoutInput,
 }
 
 /// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.

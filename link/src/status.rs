@@ -158,4 +158,6 @@ pub enum CrashCause {
     ClockStopped,
     /// The supply fell below what the chip needs at its clock.
     LowSupply,
+    /// PERMIT stayed high after it was dropped, or its port did not take what was written: the watchdog was not fed.
+    PermitStays,
 }

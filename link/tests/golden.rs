@@ -425,6 +425,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         (StartCause::Watchdog, CrashCause::Silent),
         (StartCause::Watchdog, CrashCause::ClockStopped),
         (StartCause::Watchdog, CrashCause::LowSupply),
+        (StartCause::Watchdog, CrashCause::PermitStays),
     ] {
         let words = CrashReport {
             cause,

@@ -19,6 +19,7 @@ pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Optio
         CrashCause::Starved => "was reset because a task starved",
         CrashCause::ClockStopped => "lost its clock",
         CrashCause::LowSupply => "lost its supply",
+        CrashCause::PermitStays => "was reset because its PERMIT line did not follow",
         CrashCause::Silent => "was reset because its control interrupt had stopped",
     };
     Some(format!(

@@ -9,6 +9,9 @@ use rigless::snapshot::Store;
 /// How long a conversion takes, ns: 4 us, 4.15 at most.
 pub const CONVERSION_NS: u64 = 4_000;
 
+/// The same with every input converted twice, as OS0 asks for.
+const TWICE_NS: u64 = 9_000;
+
 /// Bits of all results.
 const BITS: u32 = 8 * 16;
 
@@ -25,6 +28,8 @@ pub struct Ad7606 {
     pub percent: Option<u32>,
     /// The results are those of an earlier conversion from now on.
     pub stands: bool,
+    /// It converts every input twice.
+    pub slow: bool,
     /// DOUTA's level, if it is stuck.
     pub stuck: Option<Level>,
     /// The bit of the next frame that turns over on its way.
@@ -50,7 +55,7 @@ impl Ad7606 {
         if !self.ready || self.converting.is_some() {
             return None;
         }
-        let ends = at_ns + CONVERSION_NS;
+        let ends = at_ns + if self.slow { TWICE_NS } else { CONVERSION_NS };
         self.converting = Some((ends, self.inputs));
         Some(ends)
     }

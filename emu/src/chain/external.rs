@@ -306,6 +306,13 @@ pub fn stand_input(session: &mut Session<Nucleo>) {
     }
 }
 
+/// The AD7606 takes longer than the step waits from now on.
+pub fn slow_input(session: &mut Session<Nucleo>) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.slow = true;
+    }
+}
+
 /// The AD7606's supply goes and comes back: nobody resets it again.
 pub fn dip_input(session: &mut Session<Nucleo>) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {

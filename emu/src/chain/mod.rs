@@ -238,6 +238,7 @@ impl Chain {
                 InjectedFault::InputDips => external::dip_input(session),
                 InjectedFault::InputScale { percent } => external::scale_input(session, percent),
                 InjectedFault::InputStands => external::stand_input(session),
+                InjectedFault::SlowInput => external::slow_input(session),
                 InjectedFault::StuckData { high } => external::stick_data(session, high),
                 _ => {}
             }

@@ -5,7 +5,7 @@ use super::pins::{BUTTON, drive, stop_contact};
 use crate::chain::{self, Shown};
 use crate::log::{InjectedFault, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
-use crate::registers::TIM2_ARR;
+use crate::registers::{RCC_AHB1ENR, TIM2_ARR};
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Host, Stop};
 use rigless::session::Session;
@@ -23,8 +23,41 @@ const SLOW_BIT: u32 = 16;
 /// One that it has: without it 33 808.
 const FAST_BIT: u32 = 13;
 
+/// GPIOEEN in RCC_AHB1ENR.
+const PORT_E_CLOCK_BIT: u32 = 4;
+
+/// Control steps in a turn of 50 Hz at 2 kHz.
+const HUM_STEPS: u64 = 40;
+
 /// A burst of noise on the force, as a share of the converter's range to either side.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
+
+/// So many points are looked at for one.
+const POINTS_AHEAD: usize = 400;
+
+/// A bit that turns over in a point of the ground motion makes it wrong by no more than this, m/s^2: more is beyond the limits at once.
+const POINT_OFF: f32 = 6.0;
+
+/// Turns over the bit of an exponent, of all the `points`, that is off by most of [`POINT_OFF`] then.
+fn turn_over_point(host: &mut dyn Host, points: impl Iterator<Item = u64>) {
+    let value = |word: u64| f32::from_bits(word as u32);
+    let (mut worst, mut most) = (None, 0.0);
+    for address in points {
+        let Ok(word) = host.read(address, Width::W32) else {
+            return;
+        };
+        for turned in (23..31).map(|bit| word ^ 1 << bit) {
+            let off = (value(turned) - value(word)).abs();
+            if off > most && off < POINT_OFF {
+                (worst, most) = (Some((address, turned)), off);
+            }
+        }
+    }
+    if let Some((address, turned)) = worst {
+        println!("a point of the ground motion is off by {most:.2} m/s^2");
+        drop(host.write(address, Width::W32, turned));
+    }
+}
 
 impl Laboratory {
     /// What the sensors show with what is wrong with them.
@@ -46,6 +79,16 @@ impl Laboratory {
                 shown.second_displacement = middle;
             }
             Some(InjectedFault::ForceFlickers) if gone => shown.force[self.victim] = middle,
+            Some(InjectedFault::ForceContact { open, of }) if self.steps % of < open => {
+                shown.force[self.victim] = middle;
+            }
+            Some(InjectedFault::ForceOffset { n }) => {
+                let per_code = f64::from(self.wired[self.victim].force.per_code);
+                shown.force[self.victim] += f64::from(n) / per_code;
+            }
+            Some(InjectedFault::HummingForce { codes }) => {
+                shown.force[self.victim] = middle + f64::from(codes) * self.hum() + noise;
+            }
             Some(InjectedFault::SensorFlickers) if gone => shown.displacement[self.victim] = middle,
             Some(InjectedFault::ForceGain { percent }) => {
                 let force = &mut shown.force[self.victim];
@@ -99,6 +142,12 @@ impl Laboratory {
         shown
     }
 
+    /// Hum of 50 Hz, of an amplitude of 1.
+    fn hum(&self) -> f64 {
+        let turn = (self.steps % HUM_STEPS) as f64 / HUM_STEPS as f64;
+        (std::f64::consts::TAU * turn).sin()
+    }
+
     pub(super) fn go_wrong(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -114,7 +163,18 @@ impl Laboratory {
         self.gone_wrong += 1;
         self.note(session, stop.at, LoggedEvent::Fault);
         self.active = Some(planned.fault);
-        match planned.fault {
+        self.harm(planned.fault, session, stop, host);
+    }
+
+    /// What a fault does once, when it comes.
+    fn harm(
+        &mut self,
+        fault: InjectedFault,
+        session: &mut Session<Nucleo>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) {
+        match fault {
             InjectedFault::EmergencyStop => stop_contact(session, stop.at, false),
             InjectedFault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
             InjectedFault::Chain(contact) => self.permission.fault = Some(contact),
@@ -137,11 +197,17 @@ impl Laboratory {
                     drop(host.write(address, Width::W32, u32::MAX.into()));
                 }
             }
+            InjectedFault::TurnedPoint { from } => {
+                let points = self.motion.clone().step_by(4);
+                let points = points.skip(from as usize).take(POINTS_AHEAD);
+                turn_over_point(host, points);
+            }
             InjectedFault::OutputDips
             | InjectedFault::InputDips
             | InjectedFault::InputScale { .. }
             | InjectedFault::InputStands
-            | InjectedFault::StuckData { .. } => self.chain.disturb(session, planned.fault),
+            | InjectedFault::SlowInput
+            | InjectedFault::StuckData { .. } => self.chain.disturb(session, fault),
             InjectedFault::LateWord => {
                 let write = Access::new(AccessKind::Write, SPI1_DR, Width::W32, 0);
                 session.access(write.at(stop.instruction_count, stop.at), host);
@@ -152,35 +218,18 @@ impl Laboratory {
             InjectedFault::FastTimer => {
                 self.turn_over_register(session, host, stop, TIM2_ARR, FAST_BIT)
             }
+            InjectedFault::PortWithoutClock => {
+                self.turn_over_register(session, host, stop, RCC_AHB1ENR, PORT_E_CLOCK_BIT)
+            }
+            InjectedFault::ResetWithoutInput => {
+                let dead = InjectedFault::StuckData { high: false };
+                self.chain.disturb(session, dead);
+                session.reset_by_pin(stop.at, stop.instruction_count, host);
+                self.pins_float(session, stop.at);
+            }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.
-            InjectedFault::SensorAtRail
-            | InjectedFault::FrozenSensor
-            | InjectedFault::DeadSensor
-            | InjectedFault::StandingSensor
-            | InjectedFault::DeadForce
-            | InjectedFault::FrozenForce
-            | InjectedFault::StandingForce
-            | InjectedFault::ForceAtRail
-            | InjectedFault::ReversedForce
-            | InjectedFault::Slip { .. }
-            | InjectedFault::ReadingGain { .. }
-            | InjectedFault::DeadSecondSensor
-            | InjectedFault::NoKnownVoltage
-            | InjectedFault::ReadBackOpen
-            | InjectedFault::KnownVoltageFlickers
-            | InjectedFault::ReadBackFlickers
-            | InjectedFault::SecondSensorFlickers
-            | InjectedFault::NoiseBurst
-            | InjectedFault::ForceFlickers
-            | InjectedFault::SensorFlickers
-            | InjectedFault::ForceGain { .. }
-            | InjectedFault::Runaway { .. }
-            | InjectedFault::CommandOpen
-            | InjectedFault::DeadValve
-            | InjectedFault::Gain { .. }
-            | InjectedFault::Stiffness { .. }
-            | InjectedFault::LateBy(_) => {}
+            _ => {}
         }
     }
 

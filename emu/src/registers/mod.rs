@@ -37,6 +37,7 @@ pub const ADC2_JSQR: u64 = 0x4001_2138;
 pub const ADC_CCR: u64 = 0x4001_2304;
 pub const EXTI_IMR: u64 = 0x4001_3c00;
 pub const EXTI_RTSR: u64 = 0x4001_3c08;
+pub const RCC_AHB1ENR: u64 = 0x4002_3830;
 pub const GPIOA_MODER: u64 = 0x4002_0000;
 pub const GPIOC_MODER: u64 = 0x4002_0800;
 pub const GPIOE_MODER: u64 = 0x4002_1000;
@@ -300,15 +301,16 @@ impl Mutant {
 pub struct Registers(HashMap<u64, u64>);
 
 impl Registers {
-    /// A write, of a whole register.
-    pub fn write(&mut self, address: u64, value: u64) {
+    /// A write, of a whole register; returns whether its peripheral has its clock, and so takes it.
+    pub fn write(&mut self, address: u64, value: u64) -> bool {
         for peripheral in clocks::put_back(address, value) {
             self.0.retain(|kept, _| !peripheral.contains(kept));
         }
-        let is_kept = KEPT.contains(&address) || clocks::is_enable(address);
-        if is_kept && clocks::is_clocked(address, |enable| self.read(enable)) {
+        let takes = clocks::is_clocked(address, |enable| self.read(enable));
+        if takes && (KEPT.contains(&address) || clocks::is_enable(address)) {
             self.0.insert(address, value);
         }
+        takes
     }
 
     /// What the register holds; reset values are zero but for what debugging needs of ports A and B.

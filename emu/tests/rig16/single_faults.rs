@@ -16,17 +16,17 @@ use outerloop_core::config::Limits;
 use outerloop_core::{Event, Fault, Mode};
 
 /// Beyond the plan, m.
-const BEYOND_M: f64 = 2e-3;
+pub const BEYOND_M: f64 = 2e-3;
 
 /// An actuator: how late it is, ms, and how fast its valve lets it go, m/s.
 #[derive(Clone, Copy)]
-struct Actuator {
+pub struct Actuator {
     delay_ms: f64,
     valve_m_per_s: f64,
 }
 
 /// That of the table: the delay of Table 1, and the valve of a large ram.
-const USUAL: Actuator = Actuator {
+pub const USUAL: Actuator = Actuator {
     delay_ms: 3.0,
     valve_m_per_s: 0.75,
 };
@@ -40,7 +40,7 @@ const AT_ONCE: Actuator = Actuator {
 /// A fault as it stands in the table.
 use InjectedFault::*;
 
-const FAULTS: [InjectedFault; 58] = [
+const FAULTS: [InjectedFault; 59] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -91,6 +91,7 @@ const FAULTS: [InjectedFault; 58] = [
     InputScale { percent: 108 },
     InputStands,
     Chain(Contact::Chatters),
+    PortWithoutClock,
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),
     Drill(2),
@@ -107,8 +108,14 @@ const FAULTS: [InjectedFault; 58] = [
 const LIKE_A_BREAK: InjectedFault = ReversedForce;
 
 /// What stays on the plan's way, behind it: a test that a person holds, a link that is lost for long, which ends on the same ramp, a
-/// program that hangs and commands nothing any more, and a loop that goes on only where a sample came, so that the test runs slower.
-const BEHIND: [InjectedFault; 4] = [Button, LinkCut(2500), Drill(5), KnownVoltageFlickers];
+/// program that hangs and commands nothing any more, a port that drops no PERMIT while the relay falls, and a loop that goes on only where a sample came, so that the test runs slower.
+const BEHIND: [InjectedFault; 5] = [
+    Button,
+    LinkCut(2500),
+    Drill(5),
+    KnownVoltageFlickers,
+    PortWithoutClock,
+];
 
 /// So many steps are seen of the plan, and of a test with a fault, unless PERMIT falls later: a lost link is waited for.
 const PLANNED_STEPS: usize = 3600;
@@ -124,10 +131,10 @@ const LONGEST_APPROACH: usize = 4000;
 const BEFORE_THE_START: usize = 150;
 
 /// Control steps with PERMIT at which a fault comes: while the target rises, near its peak, and behind it.
-const PHASES: [u64; 3] = [1250, 1400, 1700];
+pub const PHASES: [u64; 3] = [1250, 1400, 1700];
 
 /// The limits that somebody has stated.
-fn stated() -> Limits {
+pub fn stated() -> Limits {
     Limits {
         tracking_m: Some(1.2e-3),
         disagree_m: Some(1e-3),
@@ -137,7 +144,7 @@ fn stated() -> Limits {
 }
 
 /// Those that `outerloop run` works out from a plan, where nobody has stated any: no second displacement is compared.
-fn worked_out(plan: &[f64]) -> Limits {
+pub fn worked_out(plan: &[f64]) -> Limits {
     let timing = config().timing;
     let peak_m = plan.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
     let steps_m = plan.windows(2).map(|w| (w[1] - w[0]).abs());
@@ -157,7 +164,7 @@ fn worked_out(plan: &[f64]) -> Limits {
     motion.limits(&Limits::default(), &shown)
 }
 
-fn desk(
+pub fn single(
     actuator: Actuator,
     fault: Option<InjectedFault>,
     after_steps: u64,
@@ -204,7 +211,7 @@ fn assert_came(fault: InjectedFault, log: &Log) {
 /// With a fault from the first sample on: how far the piston goes beyond the approach, m, or nothing where it is not armed.
 fn beyond_before_arming(fault: InjectedFault, limits: &Limits) -> f64 {
     // It stands some millimetres off: what is armed on a wrong reading jumps.
-    let mut desk = desk(USUAL, Some(fault), 0, 0.02, limits);
+    let mut desk = single(USUAL, Some(fault), 0, 0.02, limits);
     let armed = matches!(desk.ask(Command::Event(Event::Arm)), Reply::Done { .. });
     for _ in 0..300 {
         desk.step();
@@ -227,13 +234,13 @@ fn beyond_before_arming(fault: InjectedFault, limits: &Limits) -> f64 {
 
 /// A whole test, or what there is of it until PERMIT falls: where the piston was since the start, m. Nothing where a fault that is
 /// there from the first sample on lets no test start.
-fn run(
+pub fn run(
     actuator: Actuator,
     fault: Option<InjectedFault>,
     after_steps: u64,
     limits: &Limits,
 ) -> Vec<f64> {
-    let mut desk = desk(actuator, fault, after_steps, 0.0, limits);
+    let mut desk = single(actuator, fault, after_steps, 0.0, limits);
     let from_the_first = fault.is_some() && after_steps == 0;
     if from_the_first {
         if !matches!(desk.ask(Command::Event(Event::Arm)), Reply::Done { .. }) {
@@ -281,7 +288,7 @@ fn run(
 }
 
 /// How far the piston goes beyond the plan in a running test until PERMIT falls, m.
-fn beyond_in_a_test(
+pub fn beyond_in_a_test(
     actuator: Actuator,
     fault: InjectedFault,
     after_steps: u64,
@@ -310,7 +317,7 @@ fn beyond_in_a_test(
     beyond_m
 }
 
-fn each(actuator: Actuator, faults: &[InjectedFault], phases: &[u64]) -> Vec<String> {
+pub fn each(actuator: Actuator, faults: &[InjectedFault], phases: &[u64]) -> Vec<String> {
     let plan = run(actuator, None, 0, &stated());
     let peak = plan.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
     println!("the plan goes {:.1} mm far", peak * 1e3);
@@ -367,7 +374,7 @@ fn a_contact_that_chatters_moves_nothing_beyond_the_plan_whatever_its_limits_are
 #[test]
 fn an_input_converter_whose_results_stand_is_not_armed() {
     assert_eq!(each_before_arming(&[InputStands]), [""; 0]);
-    let mut desk = desk(USUAL, Some(InputStands), 0, 0.02, &stated());
+    let mut desk = single(USUAL, Some(InputStands), 0, 0.02, &stated());
     let reply = desk.ask(Command::Event(Event::Arm));
     let lost = Some(Obstacle::Fault(Fault::Output));
     assert!(
@@ -377,8 +384,8 @@ fn an_input_converter_whose_results_stand_is_not_armed() {
 }
 
 /// A test that has met a fault on its way, and has gone on until the fault must have been seen.
-fn met_in_a_test(fault: InjectedFault) -> Desk {
-    let mut desk = desk(USUAL, Some(fault), PHASES[1], 0.0, &stated());
+pub fn met_in_a_test(fault: InjectedFault) -> Desk {
+    let mut desk = single(USUAL, Some(fault), PHASES[1], 0.0, &stated());
     desk.order(Command::Event(Event::Arm));
     while desk.step().mode() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}

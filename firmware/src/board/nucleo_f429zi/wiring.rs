@@ -1,6 +1,7 @@
 //! What is the same with all converters: interrupts and their priorities, PERMIT for the ways out, the port to the PC, pins.
 
 use crate::chip::stm32::BACKGROUND;
+use embassy_stm32::gpio::{Flex, Speed};
 use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::mode::Async;
 use embassy_stm32::peripherals::{DMA1_CH1, DMA1_CH3, PD8, PD9, USART3};
@@ -31,6 +32,14 @@ pub fn lower_priorities() {
 pub const PERMIT_REGISTER: u32 = 0x4002_1018;
 /// See [`PERMIT_REGISTER`].
 pub const PERMIT_RESET: u32 = 1 << (16 + 9);
+
+/// PERMIT, low: an output whose level can be read at its pin.
+pub(super) fn permit_line(pin: Peri<'static, peripherals::PE9>) -> Flex<'static> {
+    let mut line = Flex::new(pin);
+    line.set_low();
+    line.set_as_output(Speed::Low);
+    line
+}
 
 /// The red lamp, whoever owns its pin.
 pub fn fault_lamp_on() {
@@ -70,7 +79,7 @@ macro_rules! wired {
         use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
         let wired = $crate::chip::stm32::board::Wired {
             pins: $crate::chip::stm32::metal::Pins {
-                permit: Output::new($p.PE9, Level::Low, Speed::Low),
+                permit: $crate::board::nucleo_f429zi::wiring::permit_line($p.PE9),
                 pulse: Output::new($p.PE14, Level::Low, Speed::Low),
                 chain: Input::new($p.PE15, Pull::Down),
                 button: Input::new($p.PC13, Pull::Down),

@@ -29,6 +29,12 @@ pub fn note_heartbeats(heartbeats: &'static Heartbeats) {
     HEARTBEATS.store(core::ptr::from_ref(heartbeats).cast_mut(), Relaxed);
 }
 
+/// The control step's number.
+pub fn noted_tick() -> u32 {
+    // SAFETY: null or what `note_heartbeats` was given.
+    unsafe { HEARTBEATS.load(Relaxed).as_ref() }.map_or(0, Heartbeats::tick)
+}
+
 /// PERMIT low, whoever owns the pin, in four instructions that read no memory and call nothing. Every way out begins with
 /// them, before a word is put together: what ends the program may have damaged what that needs. Before the pins were set
 /// up this writes to a port without a clock, and nothing happens.
@@ -63,11 +69,9 @@ fn drop_permit() {
 fn halt(cause: CrashCause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
     board::fault_lamp_on();
-    // SAFETY: null or what `note_heartbeats` was given.
-    let tick = unsafe { HEARTBEATS.load(Relaxed).as_ref() }.map_or(0, Heartbeats::tick);
     kept::keep(&CrashReport {
         cause,
-        tick,
+        tick: noted_tick(),
         state: kept::noted_state(),
         text,
     });

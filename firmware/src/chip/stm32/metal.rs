@@ -1,13 +1,13 @@
 //! What the control interrupt reads and switches on the chip.
 
 use super::converters::Converters;
-use super::kept;
 use super::{drill, drill::Drill};
+use super::{fatal, kept};
 use crate::chip::this::period::Period;
 use crate::hardware::Hardware;
 use crate::station::Heartbeat;
 use cortex_m::peripheral::DWT;
-use embassy_stm32::gpio::{Input as Pin, Output};
+use embassy_stm32::gpio::{Flex, Input as Pin, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use link::status::{CrashCause, CrashReport};
@@ -32,8 +32,8 @@ pub fn cycles() -> u32 {
 
 /// The pins of the control interrupt beside those of the converters.
 pub struct Pins {
-    /// The PERMIT line.
-    pub permit: Output<'static>,
+    /// The PERMIT line, an output that is read back.
+    pub permit: Flex<'static>,
     /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
     pub pulse: Output<'static>,
     /// The contact of what hangs on PERMIT.
@@ -52,8 +52,13 @@ pub struct Metal<C> {
     period: Period,
     pins: Pins,
     watchdog: IndependentWatchdog<'static, IWDG>,
-    /// A task's starvation has been kept.
-    starving: bool,
+    /// What PERMIT was asked for in the last step, and whether it has been given since the start.
+    asked: bool,
+    given: bool,
+    /// PERMIT's port takes what is written to it, and PERMIT has fallen where it was asked to.
+    permit_follows: bool,
+    /// Why the watchdog is not fed has been kept.
+    told: bool,
 }
 
 impl<C> Metal<C> {
@@ -69,7 +74,10 @@ impl<C> Metal<C> {
             period,
             pins,
             watchdog,
-            starving: false,
+            asked: false,
+            given: false,
+            permit_follows: true,
+            told: false,
         }
     }
 }
@@ -82,6 +90,22 @@ impl<C> Metal<C> {
     {
         self.leave_late(leaves_late);
         self.period.start();
+    }
+}
+
+impl<C> Metal<C> {
+    /// Keeps why the watchdog is not fed, once.
+    #[cold]
+    fn tell(&mut self, cause: CrashCause, tick: u32, state: Mode, text: &str) {
+        if !core::mem::replace(&mut self.told, true) {
+            let text = link::reply::cut(text);
+            kept::keep(&CrashReport {
+                cause,
+                tick,
+                state,
+                text,
+            });
+        }
     }
 }
 
@@ -98,11 +122,16 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; A]> {
+        // What the last step asked for has had a period to get there. A line that stays high though it was dropped, and a port that
+        // has lost its clock and reads as zeros, are dropped by nothing but a reset.
+        let stays = self.given && !self.asked && self.pins.permit.is_high();
         self.pins.step.set_high();
         if drill::asked() == Drill::Overrun {
             drill::overrun();
         }
-        self.converters.codes()
+        let codes = self.converters.codes();
+        self.permit_follows = !stays && self.pins.step.is_set_high();
+        codes
     }
 
     #[inline]
@@ -130,7 +159,9 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn permit(&mut self, on: bool) {
+        self.asked = on;
         if on {
+            self.given = true;
             self.pins.permit.set_high();
             self.pins.pulse.toggle();
         } else {
@@ -169,7 +200,12 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn feed(&mut self) {
-        if core::mem::take(&mut self.starving) {
+        if !self.permit_follows {
+            let (tick, state) = (fatal::noted_tick(), kept::noted_state());
+            let text = "what PERMIT or its port shows is not what was written";
+            return self.tell(CrashCause::PermitStays, tick, state, text);
+        }
+        if core::mem::take(&mut self.told) {
             kept::forget();
         }
         self.watchdog.pet();
@@ -177,17 +213,11 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[cold]
     fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
-        if !core::mem::replace(&mut self.starving, true) {
-            kept::keep(&CrashReport {
-                cause: CrashCause::Starved,
-                tick,
-                state,
-                text: link::reply::cut(match task {
-                    Heartbeat::Listen => "the task that receives commands",
-                    Heartbeat::Report => "the task that sends reports",
-                    Heartbeat::Pc => "the PC",
-                }),
-            });
-        }
+        let text = match task {
+            Heartbeat::Listen => "the task that receives commands",
+            Heartbeat::Report => "the task that sends reports",
+            Heartbeat::Pc => "the PC",
+        };
+        self.tell(CrashCause::Starved, tick, state, text);
     }
 }
