@@ -2,9 +2,12 @@
 //! an input converter that is late or does not come back.
 
 use crate::desk::{Bench, Desk};
-use crate::single_faults::PHASES;
-use emu::InjectedFault::PortWithoutClock;
+use crate::single_faults::{
+    PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, stated, worked_out,
+};
+use emu::InjectedFault::{ForceContact, PortWithoutClock};
 use emu::{LoggedEvent, PlannedFault};
+use outerloop_core::Fault;
 
 /// PERMIT cannot be dropped by a port that hears nothing: the watchdog has to, which lets the pins go.
 #[test]
@@ -37,4 +40,25 @@ fn a_port_without_its_clock_keeps_permit_no_longer_than_the_watchdogs_time() {
             "{permit:?}"
         );
     }
+}
+
+/// Gone for 5 ms of 7.5, and for 20 of 30: no run of steps without a force is long.
+#[test]
+fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
+    let contacts = [
+        ForceContact { open: 10, of: 15 },
+        ForceContact { open: 40, of: 60 },
+    ];
+    let mut wrong = each(USUAL, &contacts, &PHASES[..2]);
+    // With a motion of a quarter of the planned peak, as the program works it out, by the same count; and further.
+    let plan = run(USUAL, None, 0, &stated());
+    for contact in contacts {
+        let beyond_m = beyond_in_a_test(USUAL, contact, PHASES[0], &plan, &worked_out(&plan));
+        println!("worked out, {contact:?}: {:.2} mm", beyond_m * 1e3);
+        let trip = met_in_a_test(contact).status().trip.map(|t| t.fault);
+        if trip != Some(Fault::ForceStands) {
+            wrong.push(format!("{contact:?}: {trip:?}"));
+        }
+    }
+    assert_eq!(wrong, [""; 0]);
 }

@@ -40,7 +40,7 @@ const AT_ONCE: Actuator = Actuator {
 /// A fault as it stands in the table.
 use InjectedFault::*;
 
-const FAULTS: [InjectedFault; 59] = [
+const FAULTS: [InjectedFault; 61] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -92,6 +92,8 @@ const FAULTS: [InjectedFault; 59] = [
     InputStands,
     Chain(Contact::Chatters),
     PortWithoutClock,
+    ForceContact { open: 10, of: 15 },
+    ForceContact { open: 40, of: 60 },
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),
     Drill(2),

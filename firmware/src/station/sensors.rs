@@ -6,16 +6,21 @@ use link::telemetry::MAX_INPUTS;
 use link::{Input, MAX_ACTUATORS};
 use outerloop_core::Fault;
 
-/// Steps that are no fault, one without taking one off: a spike on a wire. A force that is there for no longer than so many steps
-/// one after the other is none either: a contact that comes and goes.
+/// Steps that are no fault, one without taking one off: a spike on a wire.
 const TIMEOUT_STEPS: u8 = 4;
 
 /// A force within this share of what the declared stiffness makes of the motion is none.
 const NO_FORCE_SHARE: f64 = 0.02;
 
+/// Standard deviations of the declared noise that a reading may be off by.
+const DEVIATIONS: f64 = 6.0;
+
+/// Noise of more than this share of the same force takes a sound specimen's force through zero at places that lie far apart.
+const LOUD_SHARE: f64 = 0.25;
+
 /// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
 /// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
-/// declared noise widens it: a dead one that is louder is not seen here, as docs/hazards.md says.
+/// declared noise widens it: a force that stands in more noise than that is one of a specimen that yields, as docs/hazards.md says.
 const STANDS_PART: u16 = 16_000;
 
 /// What a test allows; the largest number where it is not looked at.
@@ -27,6 +32,8 @@ pub struct SensorLimits {
     force_stands_m: f32,
     /// Force around zero that is none, N, of each actuator.
     no_force_n: [f32; MAX_ACTUATORS],
+    /// Places without a force belong together where the piston has moved by less than this between them with one, m.
+    apart_m: f32,
 }
 
 impl SensorLimits {
@@ -35,6 +42,7 @@ impl SensorLimits {
         disagree_m: f32::MAX,
         force_stands_m: f32::MAX,
         no_force_n: [0.0; MAX_ACTUATORS],
+        apart_m: f32::MAX,
     };
 
     /// Of a test.
@@ -43,15 +51,23 @@ impl SensorLimits {
         let or_never = |limit: Option<f64>| limit.map_or(f32::MAX, |m| m as f32);
         let stiffness = &config.structure.stiffness_n_per_m;
         let stands_m = limits.force_stands_m.unwrap_or(0.0);
+        // What a storey makes of the allowed motion, N. No storey's stiffness is between an actuator and a coupler: there a force that
+        // stands is one whose code does.
+        let moves_n: [f64; MAX_ACTUATORS] = core::array::from_fn(|storey| {
+            let own = stiffness.get(storey).filter(|_| test.coupled.is_none());
+            own.map_or(0.0, |n_per_m| n_per_m * stands_m)
+        });
+        // Between two storeys the force passes zero wherever theirs are the same.
+        let is_alone = test.actuators() == 1 && test.coupled.is_none();
+        let noise_n = DEVIATIONS * config.estimation.force_noise_n;
         Self {
             disagree_m: or_never(limits.disagree_m),
             force_stands_m: or_never(limits.force_stands_m),
-            no_force_n: core::array::from_fn(|storey| {
-                // No storey's stiffness is between an actuator and a coupler: there a force that stands is one whose code does.
-                let own = stiffness.get(storey).filter(|_| test.coupled.is_none());
-                let n_per_m = own.copied().unwrap_or(0.0);
-                (NO_FORCE_SHARE * n_per_m * stands_m) as f32
-            }),
+            no_force_n: moves_n.map(|n| (NO_FORCE_SHARE * n) as f32),
+            apart_m: match is_alone && noise_n <= LOUD_SHARE * moves_n[0] {
+                true => or_never(limits.force_stands_m),
+                false => 0.0,
+            },
         }
     }
 }
@@ -59,10 +75,13 @@ impl SensorLimits {
 /// What has been seen of a load cell.
 #[derive(Clone, Copy, Debug)]
 struct ForceWatch {
-    /// Least and largest displacement with no force, since it was last there, m.
+    /// The last displacement, m.
+    last_m: f32,
+    /// Least and largest displacement without a force, of places that belong together, m.
     without_m: [f32; 2],
-    /// Steps one after the other with a force.
+    /// Steps since the last without a force, and how far the piston has moved in them, m.
     with_steps: u8,
+    with_m: f32,
     /// Least and largest displacement since its codes last changed by more than noise, m, and these codes.
     standing_m: [f32; 2],
     codes: [u16; 2],
@@ -73,8 +92,10 @@ const NOWHERE_M: [f32; 2] = [f32::MAX, f32::MIN];
 
 impl ForceWatch {
     const NEW: Self = Self {
+        last_m: 0.0,
         without_m: NOWHERE_M,
-        with_steps: 0,
+        with_steps: u8::MAX,
+        with_m: 0.0,
         standing_m: NOWHERE_M,
         codes: [0; 2],
     };
@@ -85,24 +106,24 @@ impl ForceWatch {
     fn motion_m(
         &mut self,
         [m, n]: [f32; 2],
-        none_n: f32,
+        (none_n, apart_m): (f32, f32),
         (code, top): (u16, u16),
         tests: bool,
     ) -> f32 {
-        self.with_steps = if n.abs() <= none_n {
-            0
-        } else {
-            self.with_steps.saturating_add(1)
-        };
         let [low, high] = [self.codes[0].min(code), self.codes[1].max(code)];
         let stands = low.abs_diff(high) <= top / STANDS_PART;
         self.codes = if stands { [low, high] } else { [code; 2] };
-        if !tests || self.with_steps > TIMEOUT_STEPS {
-            self.without_m = NOWHERE_M;
-        } else if self.with_steps == 0 {
-            extend(&mut self.without_m, m);
+        if !tests {
+            let codes = self.codes;
+            *self = Self {
+                codes,
+                last_m: m,
+                ..Self::NEW
+            };
+            return 0.0;
         }
-        if tests && stands {
+        self.look(m, n.abs() <= none_n, apart_m);
+        if stands {
             extend(&mut self.standing_m, m);
         } else {
             self.standing_m = NOWHERE_M;
@@ -110,6 +131,26 @@ impl ForceWatch {
         let [without_m, standing_m] =
             [self.without_m, self.standing_m].map(|[least, most]| most - least);
         without_m.max(standing_m)
+    }
+
+    /// Takes in a displacement with a force, or with none. One step without is a spike, and a force that passes zero does so at places
+    /// that lie close together, or with much motion between them. A contact that comes and goes does neither.
+    #[inline]
+    fn look(&mut self, m: f32, is_none: bool, apart_m: f32) {
+        self.with_m += (m - self.last_m).abs();
+        self.last_m = m;
+        if is_none {
+            if self.with_steps <= TIMEOUT_STEPS {
+                extend(&mut self.without_m, m);
+                self.with_m = 0.0;
+            }
+            self.with_steps = 0;
+        } else {
+            self.with_steps = self.with_steps.saturating_add(1);
+            if self.with_steps > TIMEOUT_STEPS && self.with_m > apart_m {
+                self.without_m = NOWHERE_M;
+            }
+        }
     }
 }
 
@@ -182,7 +223,8 @@ impl<const A: usize> SensorWatch<A> {
             .zip(codes)
             .zip(&limits.no_force_n);
         for (((seen, &read), &[_, code]), &none_n) in each {
-            stands |= seen.motion_m(read, none_n, (code, top), tests) > limits.force_stands_m;
+            let none = (none_n, limits.apart_m);
+            stands |= seen.motion_m(read, none, (code, top), tests) > limits.force_stands_m;
         }
         stands
     }
@@ -195,9 +237,8 @@ mod tests {
     #[test]
     fn a_force_that_moves_by_its_converters_noise_alone_stands_and_one_that_lives_does_not() {
         let limits = SensorLimits {
-            disagree_m: f32::MAX,
             force_stands_m: 2e-3,
-            no_force_n: [0.0; MAX_ACTUATORS],
+            ..SensorLimits::NONE
         };
         for (top, off, expected) in [
             (65_535, 2, true),
@@ -218,9 +259,10 @@ mod tests {
     #[test]
     fn a_force_that_comes_and_goes_is_none_and_one_that_passes_zero_on_its_way_is_there() {
         let limits = SensorLimits {
-            disagree_m: f32::MAX,
             force_stands_m: 2e-3,
+            apart_m: 2e-3,
             no_force_n: [10.0; MAX_ACTUATORS],
+            ..SensorLimits::NONE
         };
         // The force at a step, N, of a motion of 10 mm to either side.
         let seen = |force_n: fn(i32) -> f32| {
@@ -246,11 +288,65 @@ mod tests {
         } else {
             3000.0 + step as f32 * 9.0
         }));
+        // A contact that is open for 5 ms of 7.5, and for 20 of 30.
+        fn open(step: i32, open: i32, of: i32) -> f32 {
+            let lives_n = 3000.0 + step as f32 * 9.0;
+            if step % of < open { 0.0 } else { lives_n }
+        }
+        assert!(seen(|step| open(step, 10, 15)));
+        assert!(seen(|step| open(step, 40, 60)));
+        // One that is open for 1.4 mm, and closed for longer, is a specimen that is slack.
+        assert!(!seen(|step| open(step, 15, 60)));
         // A spike is no dead load cell.
         assert!(!seen(|step| if step % 8 == 0 {
             0.0
         } else {
             3000.0 + step as f32 * 9.0
         }));
+    }
+    /// Steps of `seconds` at 2 kHz until the watch says that a cell is dead, which is told a force, N, of a place, m, and of a step.
+    fn watched(
+        limits: &SensorLimits,
+        seconds: u32,
+        place_m: impl Fn(f32) -> f32,
+        force_n: impl Fn(f32, u32) -> f32,
+    ) -> Option<u32> {
+        let mut watch = SensorWatch::<1>::new();
+        let mut dice = 1_u32;
+        // Two of the same size make some standard deviation of it.
+        let mut noise = || {
+            dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (dice >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        (0..2000 * seconds).find(|&step| {
+            let m = place_m(step as f32 / 2000.0);
+            let n = force_n(m, step) + 17.0 * noise();
+            let m = m + 1.7e-5 * noise();
+            let code = (32_768.0 + n) as u16;
+            watch.force_stands(limits, (&[[0, code]], 65_535), &[[m, n]], true)
+        })
+    }
+
+    /// Rest, and motions of all sizes, with noise of 10 um and 10 N; the limit 2 mm, the stiffness as declared, and a third of it.
+    #[test]
+    fn a_sound_specimen_in_a_long_weak_motion_is_never_dead() {
+        let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
+        config.limits.force_stands_m = Some(2e-3);
+        let limits = SensorLimits::of(&config.into());
+        for share in [1.0, 0.33] {
+            for amplitude_m in [0.0, 5e-5, 1e-4, 1.6e-4, 2e-4, 3e-4, 5e-4, 1e-3, 5e-3_f32] {
+                for middle_m in [0.0, 1.6e-4_f32] {
+                    let place_m = |s: f32| middle_m + amplitude_m * (12.6 * s).sin();
+                    let dead = watched(&limits, 60, place_m, |m, _| share * 158e3 * m);
+                    assert_eq!(dead, None, "{share}, {amplitude_m} m around {middle_m}");
+                }
+            }
+        }
+        let moves_m = |s: f32| 5e-3 * (12.6 * s).sin();
+        // Dead, with its amplifier's noise, which leaves 2 % of the motion's force, and with 9 N of hum as well.
+        let dead = watched(&limits, 1, moves_m, |_, _| 0.0).expect("it is seen");
+        let hums = |_, step: u32| 9.0 * (0.157 * (step % 40) as f32).sin();
+        let hum = watched(&limits, 1, moves_m, hums).expect("it is seen");
+        assert!(dead < 100 && hum < 100, "{dead}, {hum} steps");
     }
 }
