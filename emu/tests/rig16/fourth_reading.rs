@@ -3,11 +3,13 @@
 
 use crate::desk::{Bench, Desk};
 use crate::single_faults::{
-    PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, stated, worked_out,
+    BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
 };
-use emu::InjectedFault::{ForceContact, PortWithoutClock};
+use emu::InjectedFault::{self, ForceContact, ForceOffset, PortWithoutClock};
 use emu::{LoggedEvent, PlannedFault};
-use outerloop_core::Fault;
+use link::Command;
+use link::reply::Reply;
+use outerloop_core::{Event, Fault, Mode};
 
 /// PERMIT cannot be dropped by a port that hears nothing: the watchdog has to, which lets the pins go.
 #[test]
@@ -61,4 +63,40 @@ fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
         }
     }
     assert_eq!(wrong, [""; 0]);
+}
+
+/// How far a test goes that begins with a fault, m from where it stood when the person said go, and what was said to that.
+fn started_on(fault: InjectedFault) -> (f64, Reply) {
+    let mut desk = single(USUAL, Some(fault), 0, 0.0, &stated());
+    desk.order(Command::Event(Event::Arm));
+    desk.until(Mode::Armed);
+    while desk.step().command_m != 0.0 {}
+    for _ in 0..100 {
+        desk.step();
+    }
+    let stood = desk.log().position_m.len() - 1;
+    let reply = desk.ask(Command::Event(Event::Start));
+    // The ground stands still at first: what moves in 100 ms is not the plan.
+    for _ in 0..200 {
+        desk.step();
+    }
+    let at_m = desk.log().position_m;
+    let far = at_m[stood..].iter().map(|m| (m - at_m[stood]).abs());
+    (far.fold(0.0, f64::max), reply)
+}
+
+/// A test begins at rest: a force at its start moves the structure by itself.
+#[test]
+fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
+    for n in [1000, -1000] {
+        let (far_m, reply) = started_on(ForceOffset { n });
+        println!("{n} N: {:.2} mm, {reply:?}", far_m * 1e3);
+        assert!(far_m <= BEYOND_M, "{far_m} m");
+        assert!(
+            matches!(&reply, Reply::Refused(r) if r.name == "the force at the start, N"),
+            "{reply:?}"
+        );
+    }
+    let (_, reply) = started_on(ForceOffset { n: 50 });
+    assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
 }

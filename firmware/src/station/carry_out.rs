@@ -96,6 +96,13 @@ impl<const A: usize> Station<A> {
                 obstacle: Some(Fault::Output),
             }));
         }
+        // A commissioning signal takes no force; one that is held goes on under its own.
+        if event == Event::Start && self.mode() == Mode::Armed && self.signal.is_none() {
+            let strained = self.sensors.strained(&self.setup.sensors);
+            if let Some(force_n) = strained {
+                return Err(RefusedOrder::Strained(force_n));
+            }
+        }
         let state = self.setup.outer.handle(event);
         if event == Event::Arm && state.is_ok() {
             self.output.permission.arm();

@@ -73,6 +73,8 @@ pub enum RefusedOrder {
     NothingToRun,
     /// The loop integrates, and no energy error stops it.
     NoEnergyTrip,
+    /// A test begins at rest, and an actuator stands under this force, N.
+    Strained(f32),
     /// Only while idle.
     NotIdle(Option<Order>),
 }

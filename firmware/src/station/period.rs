@@ -58,7 +58,7 @@ pub struct Station<const A: usize = 1> {
     read_back: ReadBack<A>,
     /// An output has shown something else than it was sent.
     output_differs: bool,
-    sensors: SensorWatch<A>,
+    pub(super) sensors: SensorWatch<A>,
     /// What the sensors of the last sample contradict each other in.
     sensor_fault: Option<Fault>,
     /// A converter is not set up any more.

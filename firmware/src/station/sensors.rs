@@ -18,6 +18,13 @@ const DEVIATIONS: f64 = 6.0;
 /// Noise of more than this share of the same force takes a sound specimen's force through zero at places that lie far apart.
 const LOUD_SHARE: f64 = 0.25;
 
+/// A test begins at rest: a force at its start by which the declared stiffness would let the structure go further than this share of the
+/// allowed motion, and so swing as far again, is none that it rests under.
+const START_SHARE: f64 = 0.5;
+
+/// The mean of a force is over some steps: noise and hum are no force at the start.
+const MEAN_SHARE: f32 = 1.0 / 64.0;
+
 /// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
 /// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
 /// declared noise widens it: a force that stands in more noise than that is one of a specimen that yields, as docs/hazards.md says.
@@ -34,6 +41,8 @@ pub struct SensorLimits {
     no_force_n: [f32; MAX_ACTUATORS],
     /// Places without a force belong together where the piston has moved by less than this between them with one, m.
     apart_m: f32,
+    /// Largest force with which a test may start, N, of each actuator.
+    start_n: [f32; MAX_ACTUATORS],
 }
 
 impl SensorLimits {
@@ -43,6 +52,7 @@ impl SensorLimits {
         force_stands_m: f32::MAX,
         no_force_n: [0.0; MAX_ACTUATORS],
         apart_m: f32::MAX,
+        start_n: [f32::MAX; MAX_ACTUATORS],
     };
 
     /// Of a test.
@@ -68,6 +78,10 @@ impl SensorLimits {
                 true => or_never(limits.force_stands_m),
                 false => 0.0,
             },
+            start_n: moves_n.map(|n| match n > 0.0 {
+                true => (START_SHARE * n) as f32,
+                false => f32::MAX,
+            }),
         }
     }
 }
@@ -75,6 +89,8 @@ impl SensorLimits {
 /// What has been seen of a load cell.
 #[derive(Clone, Copy, Debug)]
 struct ForceWatch {
+    /// Its force, N, over some steps.
+    mean_n: f32,
     /// The last displacement, m.
     last_m: f32,
     /// Least and largest displacement without a force, of places that belong together, m.
@@ -92,6 +108,7 @@ const NOWHERE_M: [f32; 2] = [f32::MAX, f32::MIN];
 
 impl ForceWatch {
     const NEW: Self = Self {
+        mean_n: 0.0,
         last_m: 0.0,
         without_m: NOWHERE_M,
         with_steps: u8::MAX,
@@ -110,12 +127,14 @@ impl ForceWatch {
         (code, top): (u16, u16),
         tests: bool,
     ) -> f32 {
+        self.mean_n += (n - self.mean_n) * MEAN_SHARE;
         let [low, high] = [self.codes[0].min(code), self.codes[1].max(code)];
         let stands = low.abs_diff(high) <= top / STANDS_PART;
         self.codes = if stands { [low, high] } else { [code; 2] };
         if !tests {
-            let codes = self.codes;
+            let (mean_n, codes) = (self.mean_n, self.codes);
             *self = Self {
+                mean_n,
                 codes,
                 last_m: m,
                 ..Self::NEW
@@ -205,6 +224,12 @@ impl<const A: usize> SensorWatch<A> {
         }
         self.force_stands(limits, (codes, H::CODES.sensor_top), read, tests)
             .then_some(Fault::ForceStands)
+    }
+
+    /// The force, N, of the first actuator that stands under more than a test may start with.
+    pub fn strained(&self, limits: &SensorLimits) -> Option<f32> {
+        let mut each = self.force.iter().zip(limits.start_n);
+        each.find_map(|(seen, most_n)| (seen.mean_n.abs() > most_n).then_some(seen.mean_n))
     }
 
     /// Around zero, now and then or all the time, or where it is.

@@ -340,6 +340,11 @@ impl Service {
                 f64::NAN,
                 "an energy error, relative to the energy in the test, that stops a test which the loop integrates: 3 is sound",
             )),
+            RefusedOrder::Strained(n) => Reply::Refused(RefusedParameter::new(
+                "the force at the start, N",
+                f64::from(n),
+                "what half of limits.force_stands_m makes at the declared stiffness; a preload goes by `board calibrate --zero force=0`",
+            )),
             RefusedOrder::NotIdle(order) => {
                 match order {
                     Some(Order::Exchange(setup)) => self.spare = Some(setup),

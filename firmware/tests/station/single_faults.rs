@@ -4,7 +4,7 @@ use crate::common::{Bench, bench, config, pulse};
 use crate::{done, obstacle, trips};
 use firmware::sim::CODES;
 use link::Calibration;
-use link::command::Command;
+use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault, Mode};
 
@@ -212,4 +212,70 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
         b.step();
     }
     assert!(b.code().abs_diff(stood) > 10, "it does not approach");
+}
+
+#[test]
+fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_out_by_zero() {
+    let mut limited = config();
+    (limited.limits.force_stands_m, limited.limits.force_n) = (Some(2e-3), Some(5000.0));
+    let line = Calibration::nominal(&CODES).force;
+    let code = |n: f32| (n / line.per_code + line.zero_code) as u16;
+    // Half of 2 mm at 158 kN/m are 158 N.
+    for (n, starts) in [
+        (1000.0, false),
+        (-1000.0, false),
+        (190.0, false),
+        (120.0, true),
+    ] {
+        let mut b = bench();
+        b.ready(limited.clone(), &pulse());
+        b.hardware.broken.dead_force = Some(code(n));
+        for _ in 0..300 {
+            b.step();
+        }
+        let reply = b.event(Event::Start);
+        if starts {
+            done(&reply);
+            continue;
+        }
+        let Reply::Refused(refused) = reply else {
+            panic!("{n} N: {reply:?}");
+        };
+        assert_eq!(refused.name, "the force at the start, N");
+        assert!((refused.value - f64::from(n)).abs() < 20.0, "{refused}");
+        assert!(refused.accepted.ends_with("--zero force=0`"), "{refused}");
+        assert_eq!(b.mode(), Mode::Armed);
+        // What stands under a preload says so, and is started.
+        done(&b.event(Event::Stop));
+        b.until(Mode::Idle);
+        let zero = Command::Zero {
+            actuator: 0,
+            channel: Channel::Force,
+            value: 0.0,
+        };
+        let reply = b.ask(zero);
+        assert!(matches!(reply, Reply::Zeroed { .. }), "{reply:?}");
+        b.settle();
+        done(&b.event(Event::Arm));
+        b.until(Mode::Armed);
+        for _ in 0..300 {
+            b.step();
+        }
+        done(&b.event(Event::Start));
+    }
+    // A commissioning signal takes no force.
+    let mut b = bench();
+    done(&b.ask(Command::Configure(limited.into())));
+    let signal = CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Sine { frequency_hz: 5.0 },
+        amplitude_m: 0.001,
+        seconds: 1.0,
+    };
+    done(&b.ask(Command::Signal(Some(signal))));
+    b.hardware.broken.dead_force = Some(code(1000.0));
+    b.settle();
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    done(&b.event(Event::Start));
 }
