@@ -191,6 +191,7 @@ impl<P: Port> BoardBench<P> {
             wanted: test.steps,
             steps: Steps::default(),
             phase: Phase::Running,
+            differs: false,
         };
         running.run(observer, began)
     }
@@ -213,6 +214,10 @@ fn points<'a, const N: usize, R: Rig<N>>(
     }
     Ok(points)
 }
+
+/// Why a test is ended whose steps came out otherwise on the board.
+const DIFFERS: &str = "the board worked a step out otherwise than the PC, though none was lost on its way: a bit of what it keeps of \
+                       the test has turned over, or program and image are not of one build. The test was stopped on its ramp";
 
 /// What a test that has been started waits for.
 enum Phase {
@@ -262,6 +267,8 @@ struct Test<'a, 'b, P, const N: usize, R: Rig<N>> {
     wanted: usize,
     steps: Steps,
     phase: Phase,
+    /// It was ended because the board's bits are not the PC's.
+    differs: bool,
 }
 
 impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
@@ -310,6 +317,11 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             return Ok(Some(state));
         }
         if interrupted {
+            self.end(Event::Stop)?;
+        }
+        // A wrong bit in what the board keeps of the test: the limits allow much that is not the test.
+        if self.in_force.mirror().differs() && !self.is_ending() && state.integrates() {
+            self.differs = true;
             self.end(Event::Stop)?;
         }
         self.hold_or_go_on(state)?;
@@ -409,6 +421,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         };
         let trip = (ended == Mode::Tripped).then(|| told.unwrap_or_else(seen));
         let by_hand = matches!(self.phase, Phase::Ending { by_hand: true });
+        let lost = lost.or_else(|| self.differs.then(|| DIFFERS.to_owned()));
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
         Ending {

@@ -46,6 +46,8 @@ pub struct Mirror<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     /// The next step; before the first one, the step at which the test was put in force.
     next: u32,
     in_step: bool,
+    /// A step came whose record is not the PC's, and none was missing before it.
+    differs: bool,
     /// By how much the board's count of steps is ahead of the loop's.
     ahead: u32,
     /// Integration steps, and control steps since the last of them.
@@ -81,6 +83,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
             out_of_range: false,
             next: since,
             in_step: true,
+            differs: false,
             ahead: since,
             steps: 0,
             since_solved: 0,
@@ -131,6 +134,11 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
     /// Every step until now is proven.
     pub fn is_in_step(&self) -> bool {
         self.in_step
+    }
+
+    /// The board has worked a step out otherwise than the PC, and no step was lost that would explain it.
+    pub fn differs(&self) -> bool {
+        self.differs
     }
 
     /// The board has shown the step at which it was armed.
@@ -208,7 +216,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
                 self.ahead = tick.wrapping_sub(record.tick);
                 return record;
             }
-            self.in_step = false;
+            (self.in_step, self.differs) = (false, true);
         }
         self.seen.different += 1;
         self.steps = self.steps.wrapping_add(u32::from(solved));

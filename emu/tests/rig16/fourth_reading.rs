@@ -1,15 +1,23 @@
 //! What a fourth reading found beside the single faults: a port without its clock, a load cell that is not dead and tells no force, and
 //! an input converter that is late or does not come back.
 
-use crate::desk::{Bench, Desk};
+use crate::desk::{Bench, Desk, TABLE_1};
 use crate::single_faults::{
     BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
 };
-use emu::InjectedFault::{self, ForceContact, ForceOffset, PortWithoutClock};
+use emu::InjectedFault::{self, ForceContact, ForceOffset, PortWithoutClock, TurnedPoint};
 use emu::{LoggedEvent, PlannedFault};
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::TestVerdict;
+use experiment::trace::Trace;
 use link::Command;
 use link::reply::Reply;
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_core::{Event, Fault, Mode};
+use std::path::Path;
 
 /// PERMIT cannot be dropped by a port that hears nothing: the watchdog has to, which lets the pins go.
 #[test]
@@ -99,4 +107,47 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     }
     let (_, reply) = started_on(ForceOffset { n: 50 });
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+}
+
+/// Another ground motion than the planned one is inside every limit; its bits are not the PC's, which stops the test on its ramp.
+#[test]
+fn a_ground_motion_with_a_wrong_bit_is_stopped_by_the_pc() {
+    let test = TestFile::parse(
+        TABLE_1,
+        "test.toml",
+        Path::new(""),
+        &["excitation.peak_response_mm=27".to_owned()],
+    )
+    .unwrap();
+    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let plan = PlannedMotion::of(&experiment, &ideal);
+    let mut desk = Desk::with(Bench {
+        plan: Some(PlannedFault {
+            after_steps: 2000,
+            fault: TurnedPoint { from: 300 },
+        }),
+        ..Bench::default()
+    });
+    desk.calibrate();
+    let bench = BoardBench::new(desk.connection(), plan, Operator::not_asked());
+    let method = test.config.compensation.kind;
+    let run = experiment
+        .run_on(&bench, method, &ideal, true, None::<Trace>)
+        .unwrap();
+    let trace = run.trace.unwrap();
+    let apart = trace.floors[0].displacement_m.iter().enumerate();
+    let apart_m = apart.map(|(step, m)| (m - ideal.at(step).unwrap()[0]).abs());
+    let apart_m = apart_m.fold(0.0, f32::max);
+    println!(
+        "{} steps, {:.2} mm from the plan, {}",
+        trace.len(),
+        apart_m * 1e3,
+        run.summary.sentence()
+    );
+    let said = run.summary.board.as_ref().unwrap().sentence();
+    println!("{said}");
+    assert!(said.contains("otherwise than the PC"), "{said}");
+    assert_eq!(run.summary.verdict, TestVerdict::Stopped);
+    assert!(apart_m < 2e-3, "{apart_m} m");
 }

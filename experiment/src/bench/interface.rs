@@ -64,7 +64,7 @@ pub struct OnBoard {
     pub timing: Option<Timing>,
     /// Cycles of its processor in a second.
     pub clock_hz: u32,
-    /// Why the link was lost.
+    /// Why the link was lost, or why the PC has stopped the test by itself.
     pub link: Option<String>,
     /// What it records beside displacement and force, if it does.
     pub further: Option<FurtherInputs>,
