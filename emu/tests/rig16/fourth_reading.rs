@@ -5,7 +5,9 @@ use crate::desk::{Bench, Desk, TABLE_1};
 use crate::single_faults::{
     BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
 };
-use emu::InjectedFault::{self, ForceContact, ForceOffset, PortWithoutClock, TurnedPoint};
+use emu::InjectedFault::{
+    self, ForceContact, ForceOffset, PortWithoutClock, ResetWithoutInput, TurnedPoint,
+};
 use emu::{LoggedEvent, PlannedFault};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
@@ -107,6 +109,34 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     }
     let (_, reply) = started_on(ForceOffset { n: 50 });
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+}
+
+/// Where the input converter does not come back, the output stays where it was, and nothing follows the middle of the range.
+#[test]
+fn a_reset_without_an_input_converter_leaves_the_output_where_it_is() {
+    let mut desk = Desk::with(Bench {
+        plan: Some(PlannedFault {
+            after_steps: PHASES[1],
+            fault: ResetWithoutInput,
+        }),
+        ..Bench::default()
+    });
+    desk.start();
+    for _ in 0..1500 {
+        desk.turn();
+    }
+    let log = desk.log();
+    let reset = log.seen.iter().position(|s| s.1 == LoggedEvent::Reset);
+    let reset = reset.expect("it was reset");
+    let written = log.seen[reset..].iter();
+    let written = written.filter(|s| matches!(s.1, LoggedEvent::Command(_)));
+    let written = written.count();
+    let low = log.permitted.iter().rposition(|p| *p).expect("it ran");
+    let held = log.pin[low].expect("it is shown");
+    let last = log.pin.last().copied().flatten().expect("it is shown");
+    println!("{written} commands, the output went from {held} to {last}");
+    assert!(held.abs_diff(32_768) > 1000, "it stood in the middle");
+    assert!(last.abs_diff(held) < 100, "{held} became {last}");
 }
 
 /// Another ground motion than the planned one is inside every limit; its bits are not the PC's, which stops the test on its ramp.

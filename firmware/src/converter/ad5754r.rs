@@ -46,13 +46,15 @@ pub const OUTPUTS: usize = 3;
 /// The converter.
 pub struct Ad5754r {
     bus: OutputBus,
+    held: bool,
 }
 
 impl Ad5754r {
     /// Set up, unless it already is and holds its voltages.
     pub fn new(bus: OutputBus) -> Self {
-        let mut dac = Self { bus };
-        if !dac.is_set_up() {
+        let mut dac = Self { bus, held: false };
+        dac.held = dac.is_set_up();
+        if !dac.held {
             for (register, data) in [
                 (RANGE | ALL, TEN_VOLTS),
                 (MANNER, GUARDED),
@@ -66,6 +68,11 @@ impl Ad5754r {
             cortex_m::asm::delay(10 * WAIT);
         }
         dac
+    }
+
+    /// It was set up when the chip started, and has held its voltages: nothing is written where nobody knows what to.
+    pub fn has_held(&self) -> bool {
+        self.held
     }
 
     /// It says that it is set up as it should be.

@@ -24,19 +24,26 @@ const CONTROL_MASK: u32 = 0xfff;
 /// The converter.
 pub struct Ad5761r {
     bus: OutputBus,
+    held: bool,
 }
 
 impl Ad5761r {
     /// Set up, unless it already is and holds its voltage.
     pub fn new(bus: OutputBus) -> Self {
-        let mut dac = Self { bus };
-        if !dac.is_set_up() {
+        let mut dac = Self { bus, held: false };
+        dac.held = dac.is_set_up();
+        if !dac.held {
             dac.bus.command(FULL_RESET, 0);
             cortex_m::asm::delay(WAIT);
             dac.bus.command(WRITE_CONTROL, CONTROL);
             cortex_m::asm::delay(WAIT);
         }
         dac
+    }
+
+    /// It was set up when the chip started, and has held its voltage: nothing is written where nobody knows what to.
+    pub fn has_held(&self) -> bool {
+        self.held
     }
 
     /// It says that it is set up as it should be.

@@ -52,6 +52,8 @@ pub struct Station<const A: usize = 1> {
     pub(super) dropped_steps: u32,
     pub(super) stopwatch_per_timer_tick: u32,
     codes: [[u16; 2]; A],
+    /// A sample has come since the start: until then nobody knows where the actuators stand, and the outputs stay where they are.
+    sampled: bool,
     late: bool,
     held: bool,
     chain: ChainWatch,
@@ -126,6 +128,7 @@ impl<const A: usize> Station<A> {
             dropped_steps: 0,
             stopwatch_per_timer_tick,
             codes: first,
+            sampled: false,
             late: false,
             held: false,
             chain: ChainWatch::new(),
@@ -182,6 +185,7 @@ impl<const A: usize> Station<A> {
             ]
         });
         let fresh = codes.is_some();
+        self.sampled |= fresh;
         let fault = self.fault(hardware, starved, late);
         let chain_open = !hardware.permit_chain_closed();
 
@@ -189,7 +193,7 @@ impl<const A: usize> Station<A> {
         let commissioning_m = self.commissioning_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
-        let (calibrations, output) = (&self.calibrations, &mut self.output);
+        let (calibrations, output, sampled) = (&self.calibrations, &mut self.output, self.sampled);
         let time = &mut self.setup.time;
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
@@ -199,7 +203,8 @@ impl<const A: usize> Station<A> {
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault, sample.chain_open) = (fresh, fault, chain_open);
             let step = outer.step(&sample, ground);
-            output.show(hardware, (calibrations, &read), &step.command_m, step.permit);
+            let known = sampled.then_some(&step.command_m);
+            output.show(hardware, (calibrations, &read), known, step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
             inputs = hardware.inputs();
             let report = StepReport::of(step.record, &codes, inputs, moves);
@@ -342,13 +347,14 @@ impl<const A: usize> Station<A> {
 }
 
 impl<const A: usize> Output<A> {
-    /// Shows the actuators' commands. Permission goes before the commands and is given after them.
+    /// Shows the actuators' commands. Permission goes before the commands and is given after them. Without commands
+    /// the outputs stay where they are.
     #[inline]
     fn show<H: Hardware<A>, const N: usize>(
         &mut self,
         hardware: &mut H,
         (calibrations, read): (&[Calibration; A], &[[f32; 2]; A]),
-        command_m: &[f32; N],
+        command_m: Option<&[f32; N]>,
         permit: bool,
     ) {
         let top = H::CODES.command_top;
@@ -357,6 +363,9 @@ impl<const A: usize> Output<A> {
             hardware.permit(false);
         }
         self.out_of_range = false;
+        let Some(command_m) = command_m else {
+            return;
+        };
         let each = self.feedback.iter_mut().zip(calibrations).zip(read);
         for (actuator, ((feedback, calibration), &[at_m, _])) in each.enumerate() {
             let code = match command_m.get(actuator) {

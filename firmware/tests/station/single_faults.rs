@@ -1,6 +1,6 @@
 //! Single faults of what is outside the board: each stands against arming, or trips a running test, before much has moved.
 
-use crate::common::{Bench, bench, config, pulse};
+use crate::common::{Bench, bench, config, fresh, pulse};
 use crate::{done, obstacle, trips};
 use firmware::sim::CODES;
 use link::Calibration;
@@ -278,4 +278,20 @@ fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_
     done(&b.event(Event::Arm));
     b.until(Mode::Armed);
     done(&b.event(Event::Start));
+}
+
+#[test]
+fn an_output_stays_where_it_is_until_a_sample_has_come() {
+    let mut b = fresh();
+    b.hardware.board.code = [3000];
+    b.hardware.broken.no_sample = true;
+    for _ in 0..300 {
+        b.step();
+    }
+    assert_eq!(b.code(), 3000);
+    b.hardware.broken.no_sample = false;
+    for _ in 0..300 {
+        b.step();
+    }
+    assert_ne!(b.code(), 3000, "it follows where the piston stands");
 }

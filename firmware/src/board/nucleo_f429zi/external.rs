@@ -189,7 +189,9 @@ impl Converters for External {
         );
         let mut dac = Ad5761r::new(started.output);
         let answered = dac.is_set_up() && started.first.is_some();
-        dac.write(standing(0, first[0]));
+        if started.first.is_some() || !dac.has_held() {
+            dac.write(standing(0, first[0]));
+        }
         let period = Period::new(started.tim2, started.tim4, ticks, Self::OUTPUT_DELAY_US);
         conversion::take_pins(started.load, started.conversion);
         StartedConverters {

@@ -121,8 +121,10 @@ impl Converters<OUTPUTS> for ExternalThree {
             sorted(started.first.unwrap_or([CODES.sensor_top / 2; INPUTS]));
         let mut dac = Ad5754r::new(started.output);
         let answered = dac.is_set_up() && started.first.is_some();
-        for (actuator, [displacement, _]) in first.into_iter().enumerate() {
-            dac.write(actuator, standing(actuator, displacement));
+        if started.first.is_some() || !dac.has_held() {
+            for (actuator, [displacement, _]) in first.into_iter().enumerate() {
+                dac.write(actuator, standing(actuator, displacement));
+            }
         }
         let outputs = [
             parts.pa3.degrade_adc(),
