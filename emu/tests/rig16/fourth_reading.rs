@@ -6,7 +6,7 @@ use crate::single_faults::{
     BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
 };
 use emu::InjectedFault::{
-    self, ForceContact, ForceOffset, PortWithoutClock, ResetWithoutInput, TurnedPoint,
+    self, ForceContact, ForceOffset, PortWithoutClock, ResetWithoutInput, SlowInput, TurnedPoint,
 };
 use emu::{LoggedEvent, PlannedFault};
 use experiment::Experiment;
@@ -109,6 +109,24 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     }
     let (_, reply) = started_on(ForceOffset { n: 50 });
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+}
+
+/// BUSY falls after the frame was read: what was read is the conversion before.
+#[test]
+fn a_conversion_that_ends_after_its_frame_was_read_is_no_sample() {
+    let mut desk = Desk::with(Bench {
+        plan: Some(PlannedFault {
+            after_steps: 1300,
+            fault: SlowInput,
+        }),
+        ..Bench::default()
+    });
+    desk.start();
+    for _ in 0..2000 {
+        desk.step();
+    }
+    let trip = desk.status().trip.map(|t| t.fault);
+    assert_eq!(trip, Some(Fault::StaleSample));
 }
 
 /// Where the input converter does not come back, the output stays where it was, and nothing follows the middle of the range.

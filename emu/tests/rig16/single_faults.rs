@@ -40,7 +40,7 @@ const AT_ONCE: Actuator = Actuator {
 /// A fault as it stands in the table.
 use InjectedFault::*;
 
-const FAULTS: [InjectedFault; 61] = [
+const FAULTS: [InjectedFault; 62] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -94,6 +94,7 @@ const FAULTS: [InjectedFault; 61] = [
     PortWithoutClock,
     ForceContact { open: 10, of: 15 },
     ForceContact { open: 40, of: 60 },
+    SlowInput,
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),
     Drill(2),
@@ -111,12 +112,13 @@ const LIKE_A_BREAK: InjectedFault = ReversedForce;
 
 /// What stays on the plan's way, behind it: a test that a person holds, a link that is lost for long, which ends on the same ramp, a
 /// program that hangs and commands nothing any more, a port that drops no PERMIT while the relay falls, and a loop that goes on only where a sample came, so that the test runs slower.
-const BEHIND: [InjectedFault; 5] = [
+const BEHIND: [InjectedFault; 6] = [
     Button,
     LinkCut(2500),
     Drill(5),
     KnownVoltageFlickers,
     PortWithoutClock,
+    SlowInput,
 ];
 
 /// So many steps are seen of the plan, and of a test with a fault, unless PERMIT falls later: a lost link is waited for.

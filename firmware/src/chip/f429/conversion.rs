@@ -74,12 +74,13 @@ pub unsafe fn enable_interrupt() {
     unsafe { interrupt::TIM2.enable() };
 }
 
-/// BUSY has fallen since this was last asked.
+/// BUSY has fallen since this was last asked, and before the step could begin: a fall behind that is one of the conversion before,
+/// whose frame was read too early.
 #[inline]
 pub fn conversion_has_ended() -> bool {
     let ended = pac::TIM2.sr().read().ccif(BUSY);
     pac::TIM2.sr().write(|_| ());
-    ended
+    ended && pac::TIM2.ccr(BUSY).read() < INTERRUPT_US * TICKS_PER_US
 }
 
 /// LDAC while it is not the timer's yet.
