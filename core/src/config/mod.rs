@@ -257,7 +257,8 @@ pub struct Limits {
     /// read as the first: of the board's first actuator. Left out: they are not compared.
     pub disagree_m: Option<f64>,
     /// Motion of the displacement, m, over which a force that stays within 2 % of what the declared stiffness makes of it around
-    /// zero, or wherever it is within two codes of 16 bits, counts as a dead load cell, of a board. Left out: the force is not watched.
+    /// zero (and up to 3 % more of declared noise), or wherever it is within two codes of 16 bits, counts as a dead load cell, of a
+    /// board. A test does not begin under more force than the stiffness makes of half of it. Left out: the force is not watched.
     pub force_stands_m: Option<f64>,
     /// Added damping ratio, averaged over a natural period, above which the structure counts as locked.
     pub locked_damping_ratio: Option<f64>,

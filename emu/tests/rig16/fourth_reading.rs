@@ -6,7 +6,8 @@ use crate::single_faults::{
     BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
 };
 use emu::InjectedFault::{
-    self, ForceContact, ForceOffset, PortWithoutClock, ResetWithoutInput, SlowInput, TurnedPoint,
+    self, ForceContact, ForceOffset, HummingForce, PortWithoutClock, ResetWithoutInput, SlowInput,
+    TurnedPoint,
 };
 use emu::{LoggedEvent, PlannedFault};
 use experiment::Experiment;
@@ -71,6 +72,18 @@ fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
         if trip != Some(Fault::ForceStands) {
             wrong.push(format!("{contact:?}: {trip:?}"));
         }
+    }
+    assert_eq!(wrong, [""; 0]);
+}
+
+/// Some 9 mV of hum behind a dead load cell: more than its converter's own noise.
+#[test]
+fn a_load_cell_that_is_dead_and_hums_trips_near_zero() {
+    let hums = HummingForce { codes: 29 };
+    let mut wrong = each(USUAL, &[hums], &PHASES[..2]);
+    let trip = met_in_a_test(hums).status().trip.map(|t| t.fault);
+    if trip != Some(Fault::ForceStands) {
+        wrong.push(format!("{trip:?}"));
     }
     assert_eq!(wrong, [""; 0]);
 }

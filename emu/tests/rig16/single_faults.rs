@@ -40,7 +40,7 @@ const AT_ONCE: Actuator = Actuator {
 /// A fault as it stands in the table.
 use InjectedFault::*;
 
-const FAULTS: [InjectedFault; 62] = [
+const FAULTS: [InjectedFault; 63] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -94,6 +94,7 @@ const FAULTS: [InjectedFault; 62] = [
     PortWithoutClock,
     ForceContact { open: 10, of: 15 },
     ForceContact { open: 40, of: 60 },
+    HummingForce { codes: 29 },
     SlowInput,
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),

@@ -9,11 +9,13 @@ use outerloop_core::Fault;
 /// Steps that are no fault, one without taking one off: a spike on a wire.
 const TIMEOUT_STEPS: u8 = 4;
 
-/// A force within this share of what the declared stiffness makes of the motion is none.
+/// A force within this share of what the declared stiffness makes of the motion is none, and what a dead cell's amplifier may add.
 const NO_FORCE_SHARE: f64 = 0.02;
 
-/// Standard deviations of the declared noise that a reading may be off by.
+/// Standard deviations of the declared noise by which a dead load cell may leave that, as long as they are no more than a share of the
+/// same force: a specimen that has yielded is not without a force for most of its motion.
 const DEVIATIONS: f64 = 6.0;
+const NOISE_SHARE: f64 = 1.0 / 32.0;
 
 /// Noise of more than this share of the same force takes a sound specimen's force through zero at places that lie far apart.
 const LOUD_SHARE: f64 = 0.25;
@@ -73,7 +75,14 @@ impl SensorLimits {
         Self {
             disagree_m: or_never(limits.disagree_m),
             force_stands_m: or_never(limits.force_stands_m),
-            no_force_n: moves_n.map(|n| (NO_FORCE_SHARE * n) as f32),
+            no_force_n: moves_n.map(|n| {
+                let noise_n = if is_alone {
+                    noise_n.min(NOISE_SHARE * n)
+                } else {
+                    0.0
+                };
+                (NO_FORCE_SHARE * n + noise_n) as f32
+            }),
             apart_m: match is_alone && noise_n <= LOUD_SHARE * moves_n[0] {
                 true => or_never(limits.force_stands_m),
                 false => 0.0,
@@ -358,6 +367,8 @@ mod tests {
         let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
         config.limits.force_stands_m = Some(2e-3);
         let limits = SensorLimits::of(&config.into());
+        // 2 % of 316 N, and a thirty-second of it of noise.
+        assert!((limits.no_force_n[0] - 16.2).abs() < 0.01);
         for share in [1.0, 0.33] {
             for amplitude_m in [0.0, 5e-5, 1e-4, 1.6e-4, 2e-4, 3e-4, 5e-4, 1e-3, 5e-3_f32] {
                 for middle_m in [0.0, 1.6e-4_f32] {
