@@ -17,6 +17,9 @@ pub trait Hardware<const A: usize = 1> {
     /// converters and of what is between them.
     const READ_BACK_OFF: u16;
 
+    /// By how much it may be off whatever way the calibration makes of a code: what these errors are twice as large as.
+    const READ_BACK_LEAST: u16;
+
     /// Volts at the ends of their codes.
     const INPUT_SPAN_V: [f32; 2];
 

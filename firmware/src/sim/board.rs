@@ -105,6 +105,7 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     const INPUTS: &'static [Input] = INPUTS.split_at(1 + A).0;
     // A hundredth of the range.
     const READ_BACK_OFF: u16 = 41;
+    const READ_BACK_LEAST: u16 = 16;
     const INPUT_SPAN_V: [f32; 2] = [-10.0, 10.0];
 
     fn now(&self) -> u32 {

@@ -69,6 +69,7 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
     const CODES: CodeRange = H::CODES;
     const INPUTS: &'static [Input] = H::INPUTS;
     const READ_BACK_OFF: u16 = H::READ_BACK_OFF;
+    const READ_BACK_LEAST: u16 = H::READ_BACK_LEAST;
     const INPUT_SPAN_V: [f32; 2] = H::INPUT_SPAN_V;
 
     fn now(&self) -> u32 {

@@ -212,9 +212,9 @@ impl<const A: usize> Station<A> {
             (report, pass_on(outer, sent_m, &mut self.watch))
         });
 
-        let differs = self
-            .read_back
-            .differs::<H>(&inputs, fresh, self.output.sent);
+        let differs =
+            self.read_back
+                .differs::<H>(&inputs, fresh, self.output.sent, &self.calibrations);
         self.look_at_output(hardware, differs);
         let tests = self.mode().integrates() && self.signal.is_none();
         let m_per_code = self

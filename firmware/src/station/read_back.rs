@@ -1,12 +1,16 @@
 //! The commands as they are read back where they leave the board, against those that were sent.
 
 use crate::hardware::Hardware;
-use link::Input;
 use link::telemetry::MAX_INPUTS;
+use link::{Calibration, Input};
 
 /// Steps that a command may be read back differently, one that agrees taking one off: a spike on a wire is no fault, a contact that
 /// comes and goes is.
 const TIMEOUT_STEPS: u8 = 4;
+
+/// A command that is off by more than this is so, if it is off by more than the converters' errors: over a long stroke their largest is
+/// some millimetres, m.
+const OFF_M: f32 = 5e-4;
 
 /// What the outputs have to show, and for how long one of them has not.
 #[derive(Clone, Copy, Debug)]
@@ -26,20 +30,25 @@ impl<const A: usize> ReadBack<A> {
     }
 
     /// Takes in the inputs of a step, `fresh` if they were sampled, and the codes that were sent in it; returns whether an output has shown something
-    /// else for too long, by more than [`Hardware::READ_BACK_OFF`].
+    /// else for too long, by more than [`Hardware::READ_BACK_OFF`], or by more than half a
+    /// millimetre and [`Hardware::READ_BACK_LEAST`].
     #[inline]
     pub fn differs<H: Hardware<A>>(
         &mut self,
         inputs: &[u16; MAX_INPUTS],
         fresh: bool,
         sent: [Option<u16>; A],
+        calibrations: &[Calibration; A],
     ) -> bool {
         let mut off = false;
         for (read, input) in inputs.iter().zip(H::INPUTS) {
             if let Input::CommandReadBack(actuator) = input
                 && let Some(Some(shown)) = self.shown.get(usize::from(*actuator))
+                && let Some(calibration) = calibrations.get(usize::from(*actuator))
             {
-                off |= read.abs_diff(*shown) > H::READ_BACK_OFF;
+                let codes = read.abs_diff(*shown);
+                let off_m = f32::from(codes) * calibration.command.per_code.abs();
+                off |= codes > H::READ_BACK_OFF || codes > H::READ_BACK_LEAST && off_m > OFF_M;
             }
         }
         self.shown = sent;

@@ -295,3 +295,32 @@ fn an_output_stays_where_it_is_until_a_sample_has_come() {
     }
     assert_ne!(b.code(), 3000, "it follows where the piston stands");
 }
+
+/// Over +-50 mm a code of the command is 24 um, over +-250 mm 122 um: half a millimetre is fewer codes there.
+#[test]
+fn a_command_that_reads_back_a_few_millimetres_off_over_a_long_stroke_is_seen() {
+    for (half_m, codes_off, is_seen) in [
+        (0.25, 18, true),
+        (0.25, 14, false),
+        (0.05, 24, true),
+        (0.05, 18, false),
+    ] {
+        let mut b = bench();
+        b.hardware.board.wired = [Calibration::over(half_m, 1e4, &CODES)];
+        done(&b.ask(Command::Calibrate(0, b.hardware.board.wired[0])));
+        b.settle();
+        b.hardware.board.dead_output = Some(0);
+        b.hardware.board.code = [b.code() + codes_off];
+        for _ in 0..20 {
+            b.step();
+        }
+        let mut coarse = config();
+        coarse.limits.frozen_m = Some(1e-3);
+        done(&b.ask(Command::Configure(coarse.into())));
+        b.upload(&pulse(), 0.01);
+        let output = Some(Obstacle::Fault(Fault::Output));
+        let reply = b.event(Event::Arm);
+        let stands = matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == output);
+        assert_eq!(stands, is_seen, "{half_m} m, {codes_off} codes");
+    }
+}

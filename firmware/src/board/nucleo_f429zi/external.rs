@@ -170,6 +170,8 @@ impl Converters for External {
     ];
     // Half a hundredth of the range, 100 mV: the errors of both converters are a fifth of it.
     const READ_BACK_OFF: u16 = 328;
+    // Twice that fifth, 40 mV.
+    const READ_BACK_LEAST: u16 = 131;
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;

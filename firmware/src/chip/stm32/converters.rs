@@ -15,6 +15,8 @@ pub trait Converters<const A: usize = 1>: Sized {
     const INPUTS: &'static [Input];
     /// By how much a command read back may be off, in codes of the command.
     const READ_BACK_OFF: u16;
+    /// The same over a long stroke, where a code is a long way.
+    const READ_BACK_LEAST: u16 = Self::READ_BACK_OFF;
     /// Volts at the ends of their codes.
     const INPUT_SPAN_V: [f32; 2];
     /// From the sampling trigger to the instant at which the output takes the command over, us.

@@ -113,6 +113,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     const CODES: CodeRange = C::CODES;
     const INPUTS: &'static [Input] = C::INPUTS;
     const READ_BACK_OFF: u16 = C::READ_BACK_OFF;
+    const READ_BACK_LEAST: u16 = C::READ_BACK_LEAST;
     const INPUT_SPAN_V: [f32; 2] = C::INPUT_SPAN_V;
 
     #[inline]
