@@ -8,7 +8,7 @@ use emu::Mutant;
 pub enum Does {
     /// No sample is taken: not one control step.
     SamplesNothing,
-    /// The output pin never leaves where the start has put it, or floats.
+    /// The output pin never leaves where the start has put it, or floats. Where no sample counts, nothing is written to it either.
     ShowsNothing,
     /// It runs, and the registers alone show what is wrong.
     Runs,
@@ -59,7 +59,7 @@ fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
     let stands = shown.windows(2).all(|w| w[0] == w[1]);
     let as_said = match does {
         Does::SamplesNothing => samples == 0 && commands == 0,
-        Does::ShowsNothing => samples > 40 && commands > 40 && stands,
+        Does::ShowsNothing => samples > 40 && stands,
         Does::Runs => samples > 40 && commands > 40 && !stands,
     };
     as_said.then_some(()).ok_or(format!(
