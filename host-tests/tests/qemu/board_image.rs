@@ -30,7 +30,7 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
 /// each method, each with its design in double precision, are most of it.
 ///
 /// What a test of two coupled actuators is sent with is understood, and refused in a sentence, by the images without its loop, too:
-/// 6 KiB more in each, 370 and 373. The guards of a fourth reading took less than 2: PERMIT read back, and what a load cell tells.
+/// 6 KiB more in each, 370 and 373. The guards of a fourth reading took 2, for 372 and 374: PERMIT read back, and what a load cell tells.
 const MOST_FLASH: u64 = 376 * 1024;
 
 /// The loop of two coupled actuators, which the image for three has beside those of 1 to 3 storeys: another 42, of which its step
