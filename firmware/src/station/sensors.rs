@@ -27,6 +27,9 @@ const START_SHARE: f64 = 0.5;
 /// The mean of a force is over some steps: noise and hum are no force at the start.
 const MEAN_SHARE: f32 = 1.0 / 64.0;
 
+/// What such a mean leaves of a noise: the square root of `MEAN_SHARE / (2 - MEAN_SHARE)`.
+const MEAN_OF_NOISE: f64 = 0.0887;
+
 /// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
 /// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
 /// declared noise widens it: a force that stands in more noise than that is one of a specimen that yields, as docs/hazards.md says.
@@ -88,7 +91,7 @@ impl SensorLimits {
                 false => 0.0,
             },
             start_n: moves_n.map(|n| match n > 0.0 {
-                true => (START_SHARE * n) as f32,
+                true => (START_SHARE * n + MEAN_OF_NOISE * noise_n) as f32,
                 false => f32::MAX,
             }),
         }
@@ -367,6 +370,8 @@ mod tests {
         let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
         config.limits.force_stands_m = Some(2e-3);
         let limits = SensorLimits::of(&config.into());
+        // Half of 316 N, and six deviations of the mean of 10 N of noise.
+        assert!((limits.start_n[0] - 163.3).abs() < 0.1, "{limits:?}");
         // 2 % of 316 N, and a thirty-second of it of noise.
         assert!((limits.no_force_n[0] - 16.2).abs() < 0.01);
         for share in [1.0, 0.33] {
