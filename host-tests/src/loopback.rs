@@ -96,6 +96,8 @@ pub struct Loopback<const A: usize = 1> {
     pub steps: u64,
     /// Frames of telemetry that are dropped on the line from now on.
     pub drop_frames: usize,
+    /// Steps whose digest has a wrong bit from now on, as if the board had worked out another step.
+    pub wrong_bits: usize,
     /// The wire is cut: nothing comes and nothing goes.
     pub cut: bool,
     /// What the PC writes is lost on its way.
@@ -128,6 +130,7 @@ impl<const A: usize> Loopback<A> {
             out: VecDeque::new(),
             steps: 0,
             drop_frames: 0,
+            wrong_bits: 0,
             cut: false,
             is_deaf: false,
             is_noisy: false,
@@ -137,8 +140,12 @@ impl<const A: usize> Loopback<A> {
 
     /// One control step, and what the tasks do after it.
     fn step(&mut self) {
-        let report = self.board.step();
+        let mut report = self.board.step();
         self.steps += 1;
+        if self.wrong_bits > 0 {
+            self.wrong_bits -= 1;
+            report.step.digest ^= 1;
+        }
         if self.batch.steps.is_empty() {
             self.batch.first_tick = report.tick;
         }

@@ -4,7 +4,7 @@ use super::commission::commission;
 use super::configured_test::ConfiguredTest;
 use super::connection::Connection;
 use super::limits::PlannedMotion;
-use super::mirror::Mirror;
+use super::mirror::{DIFFERS, Mirror};
 use super::operator::Operator;
 use super::orders::{done, event, status};
 use super::port::Port;
@@ -214,10 +214,6 @@ fn points<'a, const N: usize, R: Rig<N>>(
     }
     Ok(points)
 }
-
-/// Why a test is ended whose steps came out otherwise on the board.
-const DIFFERS: &str = "the board worked a step out otherwise than the PC, though none was lost on its way: a bit of what it keeps of \
-                       the test has turned over, or program and image are not of one build. The test was stopped on its ramp";
 
 /// What a test that has been started waits for.
 enum Phase {

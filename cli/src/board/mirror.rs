@@ -15,6 +15,10 @@ use outerloop_core::{
 };
 use std::collections::VecDeque;
 
+/// Why a test is ended whose steps came out otherwise on the board.
+pub(crate) const DIFFERS: &str = "the board worked a step out otherwise than the PC, though none was lost on its way: a bit of what it keeps of \
+                       the test has turned over, or program and image are not of one build. The test was stopped on its ramp";
+
 /// What the mirror has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MirrorCounts {

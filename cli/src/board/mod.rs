@@ -46,6 +46,7 @@ pub use commission::commission;
 pub use configured_test::ConfiguredTest;
 pub use connection::{BoardConnection, Connection, Timeouts};
 pub use image::Image;
+pub(crate) use mirror::DIFFERS;
 pub use mirror::{Mirror, MirrorCounts};
 pub use operator::Operator;
 pub(crate) use orders::done;

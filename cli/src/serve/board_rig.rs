@@ -6,7 +6,8 @@ use super::travel::Travel;
 use crate::board::limits::PlannedMotion;
 use crate::board::operator::Operator;
 use crate::board::{
-    BoardConnection, ConfiguredTest, Hold, Mirror, clear, coupled_test, done, ready, status,
+    BoardConnection, ConfiguredTest, DIFFERS, Hold, Mirror, clear, coupled_test, done, ready,
+    status,
 };
 use crate::scope::Scope;
 use experiment::bench::OnBoard;
@@ -169,6 +170,9 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
             };
+            if test.in_force.mirror().differs() {
+                return Err(Failure::test(DIFFERS));
+            }
             // What is left of such a step are readings of the actuators, which are not x and rotation.
             if !R::SAME_COORDINATES && !test.in_force.mirror().is_in_step() {
                 return Err(Failure::test(

@@ -180,7 +180,7 @@ impl ObserverConstants {
         }
         let alpha: f64 = observer.modes.iter().map(|(_, gain)| gain[0]).sum();
         if !(alpha > 0.0 && alpha < 1.0) {
-            let accepted = "gains of displacement whose sum is above 0, below 1";
+            let accepted = "gains of displacement whose sum is above 0, below 1: a smaller coupled.observer.process";
             return Err(refused("observer.gain", alpha, accepted));
         }
         let beta = 2.0 * (2.0 - alpha) - 4.0 * libm::sqrt(1.0 - alpha);

@@ -1,6 +1,6 @@
 //! Images for external converters with one register wrong: each is seen for what it is.
 
-use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
+use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing, WritesNothing};
 use crate::mutant::{Case, each_is_seen};
 use emu::registers::*;
 
@@ -14,18 +14,18 @@ const CASES: [Case; 12] = [
         2 << 8,
         SamplesNothing,
     ),
-    // BUSY is not seen to fall: no sample counts, and the command stands.
+    // BUSY is not seen to fall: no sample counts.
     (
         "GPIOB_AFRH.PB11",
         GPIOB_AFRH,
         15 << 12,
         2 << 12,
-        ShowsNothing,
+        WritesNothing,
     ),
     // A compare of channel 4 passes for BUSY.
     ("TIM2_CCMR2.CC4S", TIM2_CCMR2, 3 << 8, 0, Runs),
     // The AD7606 was never reset.
-    ("GPIOF_MODER.PF12", GPIOF_MODER, 3 << 24, 0, ShowsNothing),
+    ("GPIOF_MODER.PF12", GPIOF_MODER, 3 << 24, 0, WritesNothing),
     ("TIM4_SMCR.SMS", TIM4_SMCR, 7, 0, ShowsNothing),
     ("TIM4_CR1.OPM", TIM4_CR1, 1 << 3, 0, ShowsNothing),
     ("GPIOD_AFRH.PD12", GPIOD_AFRH, 15 << 16, 0, ShowsNothing),

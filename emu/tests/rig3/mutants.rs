@@ -1,19 +1,19 @@
 //! Images for three actuators with one register wrong: each is seen for what it is.
 
-use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
+use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing, WritesNothing};
 use crate::mutant::{Case, each_is_seen};
 use crate::silent::is_noticed;
 use emu::registers::*;
 
 const CASES: [Case; 9] = [
     ("TIM2_CCMR2.OC3M", TIM2_CCMR2, 7 << 4, 0, SamplesNothing),
-    // BUSY is not seen to fall: no sample counts, and the commands stand.
+    // BUSY is not seen to fall: no sample counts.
     (
         "GPIOB_AFRH.PB11",
         GPIOB_AFRH,
         15 << 12,
         2 << 12,
-        ShowsNothing,
+        WritesNothing,
     ),
     ("GPIOD_AFRH.PD12", GPIOD_AFRH, 15 << 16, 0, ShowsNothing),
     ("TIM4_CCER.CC1P", TIM4_CCER, 2, 0, Runs),

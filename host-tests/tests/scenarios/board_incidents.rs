@@ -140,6 +140,23 @@ fn lost_steps_are_counted_and_the_rest_is_kept() {
     );
 }
 
+#[test]
+fn a_test_of_which_a_step_came_out_otherwise_is_stopped_on_its_ramp() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    board
+        .incidents
+        .push_back((9000, Box::new(|b| b.wrong_bits = 1)));
+    let run = run_on(&t, board).unwrap();
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!(run.summary.verdict, TestVerdict::Stopped);
+    assert!(board.steps_lost == 0 && board.steps_different > 0);
+    let said = board.sentence();
+    assert!(said.contains("worked a step out otherwise"), "{said}");
+    let steps = run.trace.unwrap().len();
+    assert!(steps > 3000 && steps < 9100, "{steps}");
+}
+
 /// Runs a test that ends on its ramp, since its energy error is too large; with the emergency stop pressed in the third step of
 /// the ramp, where that is asked for. How many steps the board was on the ramp.
 fn ramped(pressed: bool) -> u32 {

@@ -232,6 +232,20 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
 }
 
 #[test]
+fn a_step_that_came_out_otherwise_ends_it_at_a_standstill() {
+    let t = test("stop_and_go");
+    let mut rig = served(&t, |board| {
+        let turn: host_tests::loopback::FaultInjection = Box::new(|b| b.wrong_bits = 1);
+        board.incidents.push_back((2500, turn));
+    });
+    let (_, summary, _) = session(&t, rig.as_mut(), &swing(200));
+    assert_eq!(summary.verdict, SessionVerdict::RigLost);
+    assert!(summary.targets < 200 && !summary.permit);
+    let why = summary.reason.unwrap();
+    assert!(why.contains("worked a step out otherwise"), "{why}");
+}
+
+#[test]
 fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client() {
     let t = test("stop_and_go");
     let mut rig = served(&t, |_| {});
