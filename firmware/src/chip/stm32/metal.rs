@@ -80,9 +80,7 @@ impl<C> Metal<C> {
             told: false,
         }
     }
-}
 
-impl<C> Metal<C> {
     /// Lets the periods run.
     pub fn start<const A: usize>(&mut self, leaves_late: bool)
     where
@@ -91,9 +89,7 @@ impl<C> Metal<C> {
         self.leave_late(leaves_late);
         self.period.start();
     }
-}
 
-impl<C> Metal<C> {
     /// Keeps why the watchdog is not fed, once.
     #[cold]
     fn tell(&mut self, cause: CrashCause, tick: u32, state: Mode, text: &str) {
