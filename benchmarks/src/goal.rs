@@ -1,9 +1,10 @@
 //! What was asked of a benchmark, what was found, and by how much it is missed.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Figures that were asked for, beside those that were found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Goal {
     /// What is asked, and of whom.
     pub asked: String,

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{command, narrow, refused, root};
+use common::{command, is_as_its_schema_says, json, narrow, refused, root};
 use outerloop_cli::board::desk::MODEL_CYCLES;
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::{Image, Port};
@@ -80,6 +80,7 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
 
     let text = std::fs::read_to_string(folder.path().join("desk.json")).unwrap();
     let found: Value = serde_json::from_str(&text).unwrap();
+    is_as_its_schema_says("board-desk", &found, "rows");
     let own = &found["board"];
     assert_eq!(
         (&own["board"], &own["codes"]["sensor_top"]),
@@ -132,6 +133,14 @@ fn as_the_page_says(image: Image, block: usize) {
         let ends = Ends(&ended);
         for line in lines {
             follow(line, &port, folder.path());
+        }
+        for (order, without) in [
+            ("identify", "codes"),
+            ("status", "mode"),
+            ("clear", "provenance"),
+        ] {
+            let answer = json(&["board", order, "--port", &port, "--json"]);
+            is_as_its_schema_says(&format!("board-{order}"), &answer, without);
         }
         drop(ends);
         board.join().unwrap();

@@ -27,10 +27,7 @@ fn arming_moves_nothing_and_the_approach_is_slow() {
     }
     outer.handle(Event::Arm).unwrap();
     let early = outer.handle(Event::Start).unwrap_err();
-    assert_eq!(
-        (early.state, early.event),
-        (Mode::Approaching, Event::Start)
-    );
+    assert_eq!((early.mode, early.event), (Mode::Approaching, Event::Start));
     let mut steps = 0;
     while position != 0.0 {
         let step = outer.step(&Sample::new([position], [0.0]), &ground(&points));

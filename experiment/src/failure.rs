@@ -14,6 +14,7 @@ Exit status:
 
 /// Why a verb did not do what was asked.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Failure {
     /// The input cannot be used: what, where, which value, what would be accepted. Exit status 2.
     Input(String),

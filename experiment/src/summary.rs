@@ -201,7 +201,7 @@ impl Summary {
             compensation: compensation.name(),
             steps: score.control_steps,
             rate_hz: e.test.config.timing.rate_hz,
-            verdict: match ending.state {
+            verdict: match ending.mode {
                 Mode::Tripped => TestVerdict::Tripped,
                 _ if score.ran_away() => TestVerdict::Diverged,
                 _ if ending.by_hand => TestVerdict::Stopped,
@@ -221,7 +221,7 @@ impl Summary {
             energy_ratio: score.energy_ratio,
             locked_share: share(score.locked, score.compared),
             model_doubt_share: share(score.doubtful, score.control_steps),
-            stopped_s: (ending.state.integrates()
+            stopped_s: (ending.mode.integrates()
                 && score.ran_away()
                 && score.control_steps < e.control_steps())
             .then(|| score.control_steps as f64 / e.test.config.timing.rate_hz),
@@ -332,8 +332,9 @@ impl Summary {
                 }
             ),
             (TestVerdict::Stopped, _) => format!(
-                "Stopped by hand after {:.2} s of the laboratory, before its end. What was recorded until then is kept; up \
-                 to there the error is {error}.",
+                "{} after {:.2} s of the laboratory, before its end. What was recorded until then is kept; up to there the \
+                 error is {error}.",
+                self.stopped_by(),
                 self.steps as f64 / self.rate_hz,
             ),
             _ if self.locked() => format!(
@@ -354,6 +355,15 @@ impl Summary {
                     "Stable but wrong: the error is {error}. This is not the structure's response."
                 ),
             },
+        }
+    }
+
+    /// Who stopped it.
+    fn stopped_by(&self) -> &'static str {
+        let board = self.board.as_ref();
+        match board.is_some_and(|board| board.steps_different > 0) {
+            true => "Stopped by the PC, since the board worked a step out otherwise,",
+            false => "Stopped by hand",
         }
     }
 }

@@ -68,5 +68,5 @@ pub trait Hardware<const A: usize = 1> {
     fn feed(&mut self);
 
     /// A task has starved: the watchdog will act. What is to be known afterwards is kept now.
-    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode);
+    fn starving(&mut self, task: Heartbeat, tick: u32, mode: Mode);
 }

@@ -128,7 +128,7 @@ pub struct Trace<const N: usize> {
     /// Records of the running test.
     pub records: Vec<Record<N>>,
     /// Where the loop stood at the end.
-    pub state: Mode,
+    pub mode: Mode,
     /// Hash over all records.
     pub hash: u64,
 }
@@ -155,7 +155,7 @@ fn run<const N: usize>(
     let mut command = vec![0.0; physical];
     let mut trace = Trace {
         records: Vec::with_capacity(steps),
-        state: Mode::Idle,
+        mode: Mode::Idle,
         hash: Record::<N>::HASH_START,
     };
     for tick in 0.. {
@@ -185,8 +185,8 @@ fn run<const N: usize>(
             }
             _ => {}
         }
-        trace.state = outer.mode();
-        let over = matches!(trace.state, Mode::Finished | Mode::Tripped);
+        trace.mode = outer.mode();
+        let over = matches!(trace.mode, Mode::Finished | Mode::Tripped);
         if trace.records.len() == steps || over {
             break;
         }

@@ -92,7 +92,7 @@ fn assert_given_up(
     assert_eq!(why, Failure::test(said));
     assert_eq!(was.try_recv(), Ok((true, Mode::Approaching, true)));
     let now = board::status(&mut connection).unwrap();
-    assert_eq!((now.state, now.permit, now.trip), (Mode::Idle, false, None));
+    assert_eq!((now.mode, now.permit, now.trip), (Mode::Idle, false, None));
 }
 
 #[test]

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 /// The codes of a board's converters. They are the board's own; here are their widths, which travel in its identity.
 /// Codes count from the lower end of the range, 0, whatever the converter's own coding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CodeRange {
     /// Highest code of a sensor.
     pub sensor_top: u16,
@@ -32,6 +33,7 @@ impl CodeRange {
 
 /// One channel's line from codes to SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChannelCalibration {
     /// Metres or newtons per code; negative where the wiring turns the sign.
     pub per_code: f32,
@@ -72,6 +74,7 @@ pub fn number_of<'a>(calibrations: impl IntoIterator<Item = &'a Calibration>) ->
 
 /// The three channels of an actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
     /// Displacement, m, from a sensor's codes.

@@ -95,6 +95,7 @@ impl Frame<'_> {
 
 /// What a [`Decoder`] has seen since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DecoderCounts {
     /// Good frames.
     pub good: u32,

@@ -429,7 +429,7 @@ mod tests {
             }),
             Reply::Status(Status {
                 tick: u32::MAX,
-                state: Mode::Tripped,
+                mode: Mode::Tripped,
                 trip: Some(Trip {
                     fault: Fault::Force,
                     axis: 0,
@@ -462,17 +462,17 @@ mod tests {
                 last_crash: Some(CrashReport {
                     cause: CrashCause::Panic,
                     tick: 77,
-                    state: Mode::Running,
+                    mode: Mode::Running,
                     text: cut(&long),
                 }),
             }),
             Reply::Done {
                 tick: 1,
-                state: Mode::Armed
+                mode: Mode::Armed
             },
             Reply::Refused(RefusedParameter::new(&long, 1.5, &long)),
             Reply::Rejected {
-                state: Mode::Idle,
+                mode: Mode::Idle,
                 event: Some(Event::Arm),
                 obstacle: Some(Obstacle::Fault(Fault::AdcRail))
             },

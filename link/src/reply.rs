@@ -35,15 +35,15 @@ pub enum Reply {
     Done {
         /// The first control step with it.
         tick: u32,
-        /// The state after it.
-        state: Mode,
+        /// The mode after it.
+        mode: Mode,
     },
     /// A parameter is not accepted; nothing has changed.
     Refused(RefusedParameter),
-    /// The event or command means nothing in this state, or an interlock stands against it; nothing has changed.
+    /// The event or command means nothing in this mode, or an interlock stands against it; nothing has changed.
     Rejected {
-        /// The state.
-        state: Mode,
+        /// The mode.
+        mode: Mode,
         /// The event, if it was one.
         event: Option<Event>,
         /// The interlock.
@@ -123,7 +123,7 @@ impl From<Refusal> for Reply {
 impl From<Rejected> for Reply {
     fn from(r: Rejected) -> Self {
         Self::Rejected {
-            state: r.state,
+            mode: r.mode,
             event: Some(r.event),
             obstacle: r.obstacle.map(Obstacle::Fault),
         }
@@ -157,12 +157,16 @@ pub fn cut<const N: usize>(text: &str) -> String<N> {
 
 /// Who the board is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identity {
     /// Its name.
+    #[cfg_attr(feature = "schema", schemars(with = "str"))]
     pub board: String<24>,
     /// Version of the firmware.
+    #[cfg_attr(feature = "schema", schemars(with = "str"))]
     pub version: String<16>,
     /// Commit that it was built from, `-dirty` behind it if it was not that commit.
+    #[cfg_attr(feature = "schema", schemars(with = "str"))]
     pub commit: String<24>,
     /// Processor clock, Hz.
     pub clock_hz: u32,
@@ -185,8 +189,10 @@ pub struct Identity {
     /// The calibration in force, of the first actuator.
     pub calibration: Calibration,
     /// Those of the other actuators: as many as the board has beside the first.
+    #[cfg_attr(feature = "schema", schemars(with = "[Calibration]"))]
     pub others: Vec<Calibration, { MAX_ACTUATORS - 1 }>,
     /// What is recorded beside displacement and force, in the order of the telemetry.
+    #[cfg_attr(feature = "schema", schemars(with = "[Input]"))]
     pub inputs: Vec<Input, MAX_INPUTS>,
     /// Volts at the ends of the further inputs' codes; of a command read back its codes are those of the command.
     pub input_span_v: [f32; 2],

@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 
 /// Everything that is worth watching.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Status {
     /// Control step since power-up.
     pub tick: u32,
     /// Where the test stands.
-    pub state: Mode,
+    pub mode: Mode,
     /// The first fault, until it is cleared.
     pub trip: Option<Trip>,
     /// The PERMIT line.
@@ -31,6 +32,7 @@ pub struct Status {
     /// The codes of the last sample, displacement and force of the first actuator.
     pub codes: [u16; 2],
     /// Those of the others.
+    #[cfg_attr(feature = "schema", schemars(with = "[[u16; 2]]"))]
     pub other_codes: Vec<[u16; 2], { MAX_ACTUATORS - 1 }>,
     /// Times of the control step.
     pub timing: Timing,
@@ -53,6 +55,7 @@ pub const MAX_NAMED: usize = 5 * MAX_ACTUATORS;
 
 /// A cause of a set, with its value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NamedCause {
     /// Of which actuator, from 1.
     pub actuator: u8,
@@ -79,12 +82,14 @@ impl NamedCause {
 
 /// What the rig watch says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchStatus {
     /// Of the worst actuator.
     pub state: State,
     /// Since which control step of the running test state and sets have been so, from 0.
     pub since_step: u32,
     /// What is named of each actuator.
+    #[cfg_attr(feature = "schema", schemars(with = "[NamedCause]"))]
     pub named: Vec<NamedCause, MAX_NAMED>,
     /// What a compensation learns is held.
     pub held: bool,
@@ -98,6 +103,7 @@ pub struct WatchStatus {
 
 /// Times of the control step, in cycles of the processor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// Cycles of a period as set.
     pub period_cycles: u32,
@@ -115,6 +121,7 @@ pub struct Timing {
 
 /// Why a board started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StartCause {
     /// Power came.
     Power,
@@ -130,19 +137,22 @@ pub enum StartCause {
 
 /// What is kept across a reset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CrashReport {
     /// What had happened.
     pub cause: CrashCause,
     /// Control step at which it happened.
     pub tick: u32,
     /// Mode of the test at the time.
-    pub state: Mode,
+    pub mode: Mode,
     /// Message of a panic, or registers of a fault.
+    #[cfg_attr(feature = "schema", schemars(with = "str"))]
     pub text: String<96>,
 }
 
 /// What a program can die of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum CrashCause {
     /// A panic.
     Panic,

@@ -3,7 +3,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 0..4 | state, latched fault and flags: [`Record::flags`] |
+//! | 0..4 | mode, latched fault and flags: [`Record::flags`] |
 //! | 4..6, 6..8 | codes of displacement and force of the first actuator, as sampled |
 //! | 8..12 | its command that was in force, m; while a commissioning signal is set, that of the actuator which it moves |
 //! | 12..16 | its C_cor, N s/m |
@@ -49,6 +49,7 @@ pub const fn frame_bytes(actuators: usize, inputs: usize) -> usize {
 
 /// What a board records beside displacement and force, in every control step. The test does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Input {
     /// An actuator's command where it leaves the board, by codes of the command: distinguishes a dead output converter from a dead
     /// valve. The actuator counts from 0.
@@ -129,7 +130,7 @@ impl StepReport {
         }
     }
 
-    /// Where the test stands; `None` if the flags hold no state.
+    /// Where the test stands; `None` if the flags hold no mode.
     pub fn mode(&self) -> Option<Mode> {
         Mode::from_code(self.flags & 0xf)
     }

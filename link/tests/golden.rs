@@ -309,7 +309,7 @@ fn identity(others: &[Calibration]) -> Identity {
 fn status(trip: Option<Trip>, started: StartCause, last_crash: Option<CrashReport>) -> Status {
     Status {
         tick: 70_000,
-        state: Mode::Tripped,
+        mode: Mode::Tripped,
         trip,
         permit: true,
         configured: true,
@@ -351,7 +351,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         tick: 9,
     };
     let rejected = |obstacle| Reply::Rejected {
-        state: Mode::Idle,
+        mode: Mode::Idle,
         event: Some(Event::Arm),
         obstacle: Some(obstacle),
     };
@@ -388,9 +388,9 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         ),
         ("unknown".to_owned(), Reply::Unknown),
     ];
-    for state in Mode::ALL {
-        let name = format!("done {state:?}");
-        all.push((name, Reply::Done { tick: 1, state }));
+    for mode in Mode::ALL {
+        let name = format!("done {mode:?}");
+        all.push((name, Reply::Done { tick: 1, mode }));
     }
     for fault in Fault::ALL {
         let status = status(Some(trip(fault)), StartCause::Power, None);
@@ -430,7 +430,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         let words = CrashReport {
             cause,
             tick: 77,
-            state: Mode::Running,
+            mode: Mode::Running,
             text: cut("text"),
         };
         let status = status(None, started, Some(words));

@@ -8,6 +8,7 @@ use super::structure::{FrameMatrices, PhysicalMatrices, sampled};
 use super::trial::{self, MarthsTrace};
 use crate::Refused;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -145,7 +146,7 @@ impl MarthsRecord {
 }
 
 /// One controller under one record; pairs are actuator 1 and 2, or x and rotation. Per cent, J1 and J4 in ms.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MarthsRow {
     /// Name of the controller.
     pub controller: &'static str,
@@ -174,7 +175,7 @@ pub struct MarthsRow {
 }
 
 /// The worst of the drawn plants, each criterion for itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Worst {
     /// J2 as read.
     #[serde(rename = "J2_worst_perturbed")]

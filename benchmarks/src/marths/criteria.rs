@@ -2,6 +2,7 @@
 
 use super::RATE_HZ;
 use super::trial::MarthsTrace;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What the criteria mean, for those who read them.
@@ -21,7 +22,7 @@ pub const MEANING: [&str; 9] = [
 pub type Both = [f64; 2];
 
 /// What a trial is judged by. Per cent but for the delay.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Criteria {
     /// Delay of each stroke behind its target, ms: arg max of their cross-correlation.
     #[serde(rename = "J1")]

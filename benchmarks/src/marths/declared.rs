@@ -8,10 +8,11 @@ use super::criteria::{Both, deviation};
 use super::structure::{FrameMatrices, PhysicalMatrices};
 use super::trial::{MarthsTrace, computed, without_error};
 use crate::Refused;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What is subtracted as physical, and what a tracker without any error then has for J7.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Floor {
     /// What is subtracted.
     pub subtracted: &'static str,

@@ -10,6 +10,7 @@ use super::rules::{Deviation, Rules};
 use super::trial::{Ground, Official, RthsTrace, run};
 use crate::Refused;
 use rayon::prelude::*;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
@@ -25,7 +26,7 @@ type Tell<'a> = dyn Fn(usize) -> ControlFlow<()> + Sync + 'a;
 const LANES: usize = 4;
 
 /// One controller in one case under one record. J1 in ms, else per cent.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RthsRow {
     /// Name of the controller.
     pub controller: String,
@@ -37,6 +38,7 @@ pub struct RthsRow {
     pub record: String,
     /// J1 to J9 by the reading; nominal plant.
     #[serde(flatten, serialize_with = "criteria")]
+    #[schemars(schema_with = "criteria_schema")]
     pub j: [f64; 9],
     /// J2 of the displacement as it was.
     #[serde(rename = "J2_true")]
@@ -46,6 +48,7 @@ pub struct RthsRow {
     pub j4_true: f64,
     /// J1 to J9 of the sensors' noise alone.
     #[serde(flatten, serialize_with = "floors")]
+    #[schemars(schema_with = "floors_schema")]
     pub floor: [f64; 9],
     /// The motion stayed within 7 mm, 300 mm/s and 8900 N.
     pub within_limits: bool,
@@ -67,7 +70,27 @@ pub struct RthsRow {
     pub lost: usize,
 }
 
-fn criteria<S: Serializer>(j: &[f64; 9], serializer: S) -> Result<S::Ok, S::Error> {
+/// The schema of what [`criteria`] writes.
+pub fn criteria_schema(_: &mut SchemaGenerator) -> Schema {
+    numbers((1..=9).map(|i| format!("J{i}")))
+}
+
+fn floors_schema(_: &mut SchemaGenerator) -> Schema {
+    numbers((2..=9).map(|i| format!("J{i}_floor")))
+}
+
+fn numbers(names: impl Iterator<Item = String> + Clone) -> Schema {
+    let number = json_schema!({ "type": "number" });
+    let all = names.clone().map(|name| (name, number.clone().to_value()));
+    let (properties, required): (serde_json::Map<_, _>, Vec<_>) = (all.collect(), names.collect());
+    json_schema!({ "type": "object", "properties": properties, "required": required })
+}
+
+/// `J1` to `J9`, each a key of its own.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn criteria<S: Serializer>(j: &[f64; 9], serializer: S) -> Result<S::Ok, S::Error> {
     let mut map = serializer.serialize_map(Some(9))?;
     for (i, value) in j.iter().enumerate() {
         map.serialize_entry(&format!("J{}", i + 1), value)?;

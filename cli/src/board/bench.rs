@@ -308,19 +308,19 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
             self.end(Event::Finish)?;
         }
-        let state = self.in_force.mode();
-        if matches!(state, Mode::Finished | Mode::Tripped) {
-            return Ok(Some(state));
+        let mode = self.in_force.mode();
+        if matches!(mode, Mode::Finished | Mode::Tripped) {
+            return Ok(Some(mode));
         }
         if interrupted {
             self.end(Event::Stop)?;
         }
         // A wrong bit in what the board keeps of the test: the limits allow much that is not the test.
-        if self.in_force.mirror().differs() && !self.is_ending() && state.integrates() {
+        if self.in_force.mirror().differs() && !self.is_ending() && mode.integrates() {
             self.differs = true;
             self.end(Event::Stop)?;
         }
-        self.hold_or_go_on(state)?;
+        self.hold_or_go_on(mode)?;
         Ok(None)
     }
 
@@ -363,8 +363,8 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
     }
 
     /// Says once that the board's button holds the test, and lets it go on when somebody wants that.
-    fn hold_or_go_on(&mut self, state: Mode) -> Result<(), Failure> {
-        match (&self.phase, state == Mode::Holding) {
+    fn hold_or_go_on(&mut self, mode: Mode) -> Result<(), Failure> {
+        match (&self.phase, mode == Mode::Holding) {
             (Phase::Ending { .. }, _) | (Phase::Running, false) | (Phase::Held, true) => {}
             (Phase::Held, false) => self.phase = Phase::Running,
             (Phase::Running, true) => {
@@ -421,7 +421,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
         Ending {
-            state: ended,
+            mode: ended,
             trip,
             by_hand: by_hand && self.steps.done < self.wanted,
             wall_s,

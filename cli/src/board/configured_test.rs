@@ -33,7 +33,7 @@ const UNSEEN_REST_STEPS: u32 = 10_000;
 pub struct ConfiguredTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     mirror: Mirror<'a, N, R>,
     since: u32,
-    state: Mode,
+    mode: Mode,
     command_m: f32,
     /// What the board says that it has tripped on.
     fault: Option<Fault>,
@@ -62,7 +62,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             lost_before: board.counted().1,
             mirror,
             since,
-            state: Mode::Idle,
+            mode: Mode::Idle,
             command_m: f32::NAN,
             fault: None,
             steps: 0,
@@ -72,7 +72,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
 
     /// What the loop was doing in the last step.
     pub fn mode(&self) -> Mode {
-        self.state
+        self.mode
     }
 
     /// Steps seen since the test is in force.
@@ -148,7 +148,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// As [`ConfiguredTest::send`].
     pub fn end<P: Port>(&mut self, board: &mut Connection<P>, by: Event) -> Result<(), Failure> {
         match self.send(board, by) {
-            Err(refused) => match status(board)?.state {
+            Err(refused) => match status(board)?.mode {
                 Mode::Finished | Mode::Stopping | Mode::Tripped => Ok(()),
                 Mode::Holding if by == Event::Finish => self.end(board, Event::Stop),
                 _ => Err(refused),
@@ -166,12 +166,12 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     ) -> Result<bool, Failure> {
         if self.ticks.take(tick).is_none() {
             // It has no test, and nothing has to come to rest.
-            self.state = Mode::Idle;
+            self.mode = Mode::Idle;
             return Err(started_again(board));
         }
         let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
         if ours {
-            self.state = step.mode().unwrap_or(self.state);
+            self.mode = step.mode().unwrap_or(self.mode);
             self.command_m = step.command_m;
             self.fault = step.fault();
             self.steps += 1;
@@ -273,12 +273,12 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             self.next(board)?;
             if interrupt::asked() {
                 self.ask_for(board, Event::Stop)?;
-                let now = status(board)?.state.name();
+                let now = status(board)?.mode.name();
                 return Err(Failure::test(format!(
                     "the approach to the start was given up, and the board is {now}"
                 )));
             }
-            match self.state {
+            match self.mode {
                 Mode::Armed if self.command_m == 0.0 => return Ok(()),
                 // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
                 Mode::Idle if self.mirror.has_armed() => {
@@ -327,7 +327,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
                 }
             }
             self.next(board)?;
-            if self.state == Mode::Tripped {
+            if self.mode == Mode::Tripped {
                 let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
                 return Err(Failure::test(format!(
                     "the board tripped on {fault} before the start: see `outerloop board status`"
@@ -343,13 +343,13 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// As [`ConfiguredTest::next`]; a board that cannot be cleared.
     pub fn come_to_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
         let (mut standing, mut last_m) = (0, [f32::NAN; N]);
-        while matches!(self.state, Mode::Finished | Mode::Stopping) {
+        while matches!(self.mode, Mode::Finished | Mode::Stopping) {
             let steps = if N == 1 || self.mirror.is_in_step() {
                 REST_STEPS
             } else {
                 UNSEEN_REST_STEPS
             };
-            if self.state == Mode::Finished && standing >= steps {
+            if self.mode == Mode::Finished && standing >= steps {
                 return clear(board);
             }
             let Some(record) = self.next(board)? else {
@@ -368,7 +368,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// # Errors
     /// A link that is gone; a board that cannot be cleared.
     pub fn until_still<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
-        while !matches!(self.state, Mode::Idle | Mode::Finished | Mode::Tripped) {
+        while !matches!(self.mode, Mode::Idle | Mode::Finished | Mode::Tripped) {
             self.next(board)?;
         }
         self.come_to_rest(board)
@@ -385,7 +385,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         event: Event,
     ) -> Result<(), Failure> {
         match self.send(board, event) {
-            Err(refused) => match status(board)?.state.after(event) {
+            Err(refused) => match status(board)?.mode.after(event) {
                 Err(_) => Ok(()),
                 Ok(_) => Err(refused),
             },

@@ -19,6 +19,7 @@ use link::reply::Identity;
 use link::status::Timing;
 use link::{Calibration, CodeRange, Command};
 use outerloop_core::{Event, Method, Prediction};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
@@ -101,7 +102,7 @@ pub fn experiment(seconds: f64, rate_hz: u32) -> Result<Experiment, Failure> {
 }
 
 /// How a row stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RowVerdict {
     /// As it has to be.
@@ -113,7 +114,7 @@ pub enum RowVerdict {
 }
 
 /// A row of the page.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct DeskRow {
     /// What was done.
     pub what: String,

@@ -53,12 +53,12 @@ pub fn started_again<P: Port>(board: &mut Connection<P>) -> Failure {
 /// # Errors
 /// As [`Connection::ask`]; a test that runs.
 pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
-    match status(board)?.state {
+    match status(board)?.mode {
         Mode::Idle => Ok(()),
         Mode::Finished | Mode::Tripped => event(board, Event::Clear).map(drop),
-        state => Err(Failure::test(format!(
+        mode => Err(Failure::test(format!(
             "clear: the board is {}: accepted are finished and tripped",
-            state.name()
+            mode.name()
         ))),
     }
 }
@@ -179,9 +179,9 @@ fn refused(what: &str, reply: Reply) -> Failure {
                 "{what}: a converter outside the chip did not answer when the board started: accepted is one that has power and all its wires, then a reset of the board (docs/wiring-16.md)"
             ),
         }),
-        Reply::Rejected { state, .. } => Failure::test(format!(
+        Reply::Rejected { mode, .. } => Failure::test(format!(
             "{what}: means nothing while the board is {}: accepted is another order first, see `outerloop board status`",
-            state.name()
+            mode.name()
         )),
         Reply::WrongSum { received } => Failure::test(format!(
             "{what}: the ground motion came to the board with the check sum {received:08x}: accepted is what was sent; try again"

@@ -48,16 +48,16 @@ fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     if let Some(said) = describe_words(now.started, now.last_crash.as_ref()) {
         eprintln!("outerloop: note: {said}");
     }
-    match (now.state, now.trip) {
+    match (now.mode, now.trip) {
         (Mode::Idle, _) => Ok(()),
         (Mode::Finished, _) => clear(board),
         (Mode::Tripped, Some(trip)) => Err(Failure::test(format!(
             "the board stands tripped on {}: accepted is an idle board; look, then `outerloop board clear`",
             trip.fault.name()
         ))),
-        (state, _) => Err(Failure::test(format!(
+        (mode, _) => Err(Failure::test(format!(
             "the board is {}: accepted is an idle board",
-            state.name()
+            mode.name()
         ))),
     }
 }

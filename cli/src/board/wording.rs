@@ -25,7 +25,7 @@ pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Optio
     Some(format!(
         "the board {cause} at control step {} while {}: {}",
         words.tick,
-        words.state.name(),
+        words.mode.name(),
         words.text
     ))
 }
@@ -51,7 +51,7 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     let mut lines = vec![
         format!(
             "{}, PERMIT {}, {}, {}, {} points of ground motion loaded",
-            status.state.name(),
+            status.mode.name(),
             if status.permit { "high" } else { "low" },
             if status.configured {
                 "a test is accepted"

@@ -1,5 +1,6 @@
 //! The schemas of files, and of what the verbs answer with `--json`.
 
+use super::key::Group;
 use super::list::all;
 use super::render::schema;
 use super::structures::read;
@@ -7,8 +8,11 @@ use crate::difference::Difference;
 use crate::many::Outcome;
 use crate::provenance::Provenance;
 use crate::serve::SessionSummary;
+use crate::verb::benchmark::{FollowedMarths, FollowedRths, MarthsAnswer, RthsAnswer};
+use crate::verb::board::{Cleared, DeskAnswer};
 use crate::verb::check::CheckAnswer;
 use crate::verb::diagnose::DiagnosisAnswer;
+use crate::verb::effects::ListedEffect;
 use crate::verb::identify::IdentifiedOverFrequency;
 use crate::verb::improve::ImprovementRows;
 use crate::verb::replay::ReplayResult;
@@ -17,8 +21,10 @@ use crate::verb::sweep::SweepResult;
 use diagnosis::{CoupledDiagnosis, Model};
 use experiment::coupled::planned::CoupledCheck;
 use experiment::summary::Summary;
-use schemars::JsonSchema;
+use link::reply::Identity;
+use link::status::Status;
 use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Value, json};
 
 /// Rows of tests.
@@ -32,7 +38,7 @@ struct ComparedRows {
 type NamedSchema = (&'static str, fn() -> Value);
 
 /// The schemas of files, and of the answers of verbs.
-pub const SCHEMAS: [NamedSchema; 16] = [
+pub const SCHEMAS: [NamedSchema; 26] = [
     ("test", || schema(&all())),
     ("model", read::<Model>),
     ("run", of::<Summary>),
@@ -49,14 +55,32 @@ pub const SCHEMAS: [NamedSchema; 16] = [
     ("replay", of::<ReplayResult>),
     ("diff", of::<Difference>),
     ("serve", of::<SessionSummary>),
+    ("effects", list_of::<ListedEffect>),
+    ("keys", list_of::<Group>),
+    ("board-identify", of::<Identity>),
+    ("board-status", of::<Status>),
+    ("board-clear", of::<Cleared>),
+    ("board-desk", of::<DeskAnswer<'static>>),
+    ("benchmark-rths", of::<RthsAnswer<'static>>),
+    ("benchmark-rths-follow", of::<FollowedRths<'static>>),
+    ("benchmark-marths", of::<MarthsAnswer<'static>>),
+    ("benchmark-marths-follow", of::<FollowedMarths<'static>>),
 ];
 
+fn generate() -> SchemaGenerator {
+    SchemaSettings::draft2020_12()
+        .for_serialize()
+        .into_generator()
+}
+
+/// A list, which does not say where it comes from.
+fn list_of<T: JsonSchema>() -> Value {
+    let mut schema = generate().into_root_schema_for::<Vec<T>>().to_value();
+    or_null(&mut schema);
+    schema
+}
+
 fn of<T: JsonSchema>() -> Value {
-    let generate = || {
-        SchemaSettings::draft2020_12()
-            .for_serialize()
-            .into_generator()
-    };
     let mut schema = generate().into_root_schema_for::<T>().to_value();
     let provenance = generate().into_root_schema_for::<Provenance>().to_value();
     let definitions = provenance["$defs"].clone();
@@ -66,6 +90,9 @@ fn of<T: JsonSchema>() -> Value {
     schema["properties"]["seed"] =
         json!({ "type": "integer", "description": "Seed of everything random." });
     schema["properties"]["provenance"] = provenance;
+    let mut required = schema["required"].as_array().cloned().unwrap_or_default();
+    required.push(json!("provenance"));
+    schema["required"] = required.into();
     or_null(&mut schema);
     schema
 }

@@ -3,7 +3,7 @@
 use super::value::ValueKind;
 
 /// A key of the test file.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, schemars::JsonSchema)]
 pub struct Key {
     /// Its path, `loop.rate_hz`.
     pub path: String,
@@ -28,7 +28,7 @@ impl Key {
 }
 
 /// A table of the test file with its keys.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, schemars::JsonSchema)]
 pub struct Group {
     /// Its path.
     pub path: String,

@@ -376,7 +376,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
     /// To a standstill on the ramp, then idle.
     fn finish(&mut self, test: &mut Serving<N, R>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);
-        if !has_ended(status(board)?.state) {
+        if !has_ended(status(board)?.mode) {
             in_force.end(board, Event::Stop)?;
         }
         while !has_ended(in_force.mode()) {
@@ -391,7 +391,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         loop {
             let now = status(&mut self.board)?;
             self.permit = now.permit;
-            match now.state {
+            match now.mode {
                 Mode::Idle => return Ok(()),
                 Mode::Tripped if self.real => return Ok(()),
                 Mode::Finished | Mode::Tripped => clear(&mut self.board)?,
@@ -404,6 +404,6 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
 }
 
 /// Nothing moves any more, or is about to come to rest.
-fn has_ended(state: Mode) -> bool {
-    matches!(state, Mode::Idle | Mode::Finished | Mode::Tripped)
+fn has_ended(mode: Mode) -> bool {
+    matches!(mode, Mode::Idle | Mode::Finished | Mode::Tripped)
 }

@@ -9,9 +9,12 @@ use crate::provenance::WithProvenance;
 use clap::{Args, Subcommand};
 use commission::Commission;
 use desk::Desk;
+pub use desk::DeskAnswer;
 use experiment::failure::Failure;
 use link::Calibration;
 use link::command::Channel;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -106,13 +109,17 @@ impl Plain {
     fn clear(&self) -> Result<(), Failure> {
         board::clear(&mut connect(&self.port)?)?;
         if self.json {
-            answer!("{}", json(&WithProvenance::of(&serde_json::Map::new()))?);
+            answer!("{}", json(&WithProvenance::of(&Cleared {}))?);
         } else {
             println!("The board is idle.");
         }
         Ok(())
     }
 }
+
+/// Nothing but where it comes from.
+#[derive(Serialize, JsonSchema)]
+pub struct Cleared {}
 
 /// Show the calibration, or replace it
 #[derive(Args, Debug)]

@@ -1,10 +1,49 @@
 //! `outerloop effects`: every effect by the name that files and answers use.
 
+use super::json;
 use crate::document::table;
 use crate::terminal::output;
 use experiment::failure::Failure;
 use plant::catalogue;
-use serde_json::json;
+use plant::effect::Entry;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// An effect of the list.
+#[derive(Serialize, JsonSchema)]
+pub struct ListedEffect {
+    name: &'static str,
+    family: &'static str,
+    /// Where it acts.
+    channels: Vec<&'static str>,
+    parameters: Vec<ListedParameter>,
+    /// What it does.
+    physics: &'static str,
+}
+
+#[derive(Serialize, JsonSchema)]
+struct ListedParameter {
+    name: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+}
+
+impl ListedEffect {
+    fn of(e: &Entry) -> Self {
+        let parameters = e.parameters.iter().map(|p| ListedParameter {
+            name: p.name,
+            unit: p.accept.unit,
+            meaning: p.meaning,
+        });
+        Self {
+            name: e.effect.name(),
+            family: e.family.name(),
+            channels: e.channels.iter().map(|c| c.name()).collect(),
+            parameters: parameters.collect(),
+            physics: e.physics,
+        }
+    }
+}
 
 /// List every effect that a rig can have and a diagnosis can name
 #[derive(clap::Args, Debug)]
@@ -21,24 +60,8 @@ impl Effects {
     /// None; the signature is that of every verb.
     pub fn run(&self) -> Result<(), Failure> {
         if self.json {
-            let entries: Vec<_> = catalogue()
-                .iter()
-                .map(|e| {
-                    let parameters: Vec<_> = e
-                        .parameters
-                        .iter()
-                        .map(|p| json!({ "name": p.name, "unit": p.accept.unit, "meaning": p.meaning }))
-                        .collect();
-                    json!({
-                        "name": e.effect.name(),
-                        "family": e.family.name(),
-                        "channels": e.channels.iter().map(|c| c.name()).collect::<Vec<_>>(),
-                        "parameters": parameters,
-                        "physics": e.physics,
-                    })
-                })
-                .collect();
-            answer!("{}", json!(entries));
+            let all: Vec<_> = catalogue().iter().map(ListedEffect::of).collect();
+            answer!("{}", json(&all)?);
             return Ok(());
         }
         let head = ["family", "effect", "channels", "parameters [unit]"];

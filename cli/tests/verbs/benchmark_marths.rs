@@ -45,6 +45,7 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let before = benchmark(&data, &["--out", &path("out")]);
+    is_as_its_schema_says("benchmark-marths", &before, "declared_part");
     let floor = pair(&before["rows"][0]["J7_floor"]);
     assert!(
         (floor[0] - 9.8).abs() < 0.05 && (floor[1] - 7.7).abs() < 0.05,
@@ -190,7 +191,9 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
         }
         std::fs::write(&table, filled).unwrap();
         let arguments = marths(&["--json", "--follow", &table]);
-        json(&arguments.iter().map(String::as_str).collect::<Vec<_>>())["rows"][0].clone()
+        let answer = json(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        is_as_its_schema_says("benchmark-marths-follow", &answer, "criteria");
+        answer["rows"][0].clone()
     };
     let (as_they_are, ahead) = (judged([0, 0]), judged([56, 25]));
     assert!(

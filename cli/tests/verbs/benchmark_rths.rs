@@ -1,6 +1,6 @@
 //! `outerloop benchmark rths`: the targets on the problem's records where they are, the rest on an earthquake of our own.
 
-use crate::common::{json, outerloop, refused};
+use crate::common::{is_as_its_schema_says, json, outerloop, refused};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -42,6 +42,7 @@ fn the_targets_are_reached_by_official_rules() {
         "--data",
         &folder,
     ]));
+    is_as_its_schema_says("benchmark-rths", &answer, "best");
     assert_eq!(answer["rules"], "official");
     // Six figures of ours and the distance of `amb/lead=1` from a port.
     let targets = answer["targets"].as_array().unwrap();
@@ -240,6 +241,7 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
         &table_text,
     ]);
     let answer = json(&follow);
+    is_as_its_schema_says("benchmark-rths-follow", &answer, "criteria");
     let row = &answer["rows"][0];
     assert!(
         number(row, "J1").abs() < 3.0 && number(row, "J2") < 40.0,

@@ -107,7 +107,7 @@ fn every_answer_is_as_its_schema_says() {
     let archive = format!("{first}/record.h5");
     let signal = inside("signal.csv");
     std::fs::write(&signal, "time_s,command_mm\n0,0\n1,2\n2,0\n").unwrap();
-    let rows: [(&str, Vec<&str>, &str); 12] = [
+    let rows: [(&str, Vec<&str>, &str); 14] = [
         (
             "run",
             vec!["run", example, "--duration", "14", "--out", &first],
@@ -170,6 +170,8 @@ fn every_answer_is_as_its_schema_says() {
         ("identify", vec!["identify", &record], "delay_ms"),
         ("diff", vec!["diff", &first, &first], "channels"),
         ("replay", vec!["replay", &archive], "values_different"),
+        ("effects", vec!["effects"], "channels"),
+        ("keys", vec!["keys"], "keys"),
         (
             "run-signal",
             vec!["run", example, "--signal", &signal],

@@ -41,7 +41,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         // Where nothing has been sampled yet, nobody knows where the actuator stands.
         let unseen = self.idle_mean_m.is_none().then_some(Fault::StaleSample);
         let rejected = Rejected {
-            state: self.mode,
+            mode: self.mode,
             event,
             obstacle: self.obstacle().map(|o| o.0).or(unseen),
         };
@@ -111,7 +111,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     pub fn configure(&mut self, design: Design<N, R>) -> Result<(), Rejected> {
         if self.mode != Mode::Idle {
             return Err(Rejected {
-                state: self.mode,
+                mode: self.mode,
                 event: Event::Arm,
                 obstacle: None,
             });

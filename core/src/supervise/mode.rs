@@ -10,6 +10,7 @@ macro_rules! modes {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[repr(u8)]
         pub enum Mode {
             $($(#[$doc])* $Mode = $code,)*
@@ -134,7 +135,7 @@ pub const OBSTACLE_STEPS: u32 = 200;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rejected {
     /// The mode, unchanged.
-    pub state: Mode,
+    pub mode: Mode,
     /// The event that was refused.
     pub event: Event,
     /// The interlock that stands against it, if it is one.
@@ -143,7 +144,7 @@ pub struct Rejected {
 
 impl core::fmt::Display for Rejected {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{:?} is refused while {}", self.event, self.state.name())?;
+        write!(f, "{:?} is refused while {}", self.event, self.mode.name())?;
         match self.obstacle {
             Some(fault) => write!(f, ": the interlock {} stands against it", fault.name()),
             None => Ok(()),
@@ -162,7 +163,7 @@ impl Mode {
         match self.led_by(event) {
             Some(mode) => Ok(mode),
             None => Err(Rejected {
-                state: self,
+                mode: self,
                 event,
                 obstacle: None,
             }),

@@ -30,6 +30,7 @@ macro_rules! causes {
         /// A cause with its side. Its number is its bit in a [`Set`] and never changes.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[repr(u8)]
         pub enum Cause { $($(#[$doc])* $cause,)* }
 

@@ -5,6 +5,7 @@ use super::name::Cause;
 /// What the watch has to say. The numbers are in records and never change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[repr(u8)]
 pub enum State {
     /// The rig does what its model says.

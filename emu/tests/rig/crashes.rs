@@ -47,7 +47,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     let status = desk.status();
     let course = desk.course();
     assert_eq!(
-        (status.started, status.state),
+        (status.started, status.mode),
         (StartCause::Watchdog, Mode::Idle)
     );
     assert!(!status.permit);
@@ -79,7 +79,7 @@ fn dies_at_once(drill: u32, cause: CrashCause) -> String {
     let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
     assert!(reset <= WATCHDOG_NS, "{reset} ns");
     let last = words(&status);
-    assert_eq!((last.cause, last.state), (cause, Mode::Running));
+    assert_eq!((last.cause, last.mode), (cause, Mode::Running));
     println!(
         "drill {drill}: PERMIT low {} ms after, reset {} ms later: {}",
         after / MS,
@@ -207,7 +207,7 @@ fn a_starved_task_trips_the_test_before_the_watchdog_resets() {
     let last = words(&status);
     // Tripped before the reset, and so soon by nothing but Fault::Starved: a lost link takes half a second.
     assert_eq!(
-        (last.cause, last.state),
+        (last.cause, last.mode),
         (CrashCause::Starved, Mode::Tripped)
     );
 }
@@ -281,7 +281,7 @@ fn the_reset_button_in_mid_test() {
     desk.until_reset();
     let status = desk.status();
     assert_eq!(
-        (status.started, status.state, status.permit),
+        (status.started, status.mode, status.permit),
         (StartCause::Pin, Mode::Idle, false)
     );
     let course = desk.course();

@@ -326,12 +326,12 @@ impl Desk {
         }
     }
 
-    /// Steps until the state is `state`.
-    pub fn until(&mut self, state: Mode) {
-        while self.step().mode() != Some(state) {}
+    /// Steps until the mode is `mode`.
+    pub fn until(&mut self, mode: Mode) {
+        while self.step().mode() != Some(mode) {}
     }
 
-    /// Every step that was reported in the state is there, none missing between the first and the last.
+    /// Every step that was reported in the mode is there, none missing between the first and the last.
     pub fn assert_nothing_lost(&self) {
         let ticks: Vec<u32> = self.steps.iter().map(|s| s.0).collect();
         let gaps = ticks

@@ -20,7 +20,7 @@ fn read_back_after(fault: InjectedFault) -> f32 {
     desk.start();
     desk.until(Mode::Tripped);
     let line = Calibration::nominal(&crate::desk::codes()).command;
-    let moving = |state| matches!(state, Some(Mode::Running));
+    let moving = |mode| matches!(mode, Some(Mode::Running));
     let running = desk.steps.iter().filter(|(_, s)| moving(s.mode()));
     running
         .map(|(_, s)| (line.quantity(s.inputs[0]) - s.command_m).abs())

@@ -77,7 +77,7 @@ fn trips(desk: &mut Desk, reason: Fault) -> Option<u64> {
         "the command jumps"
     );
     desk.order(Command::Event(Event::Clear));
-    assert_eq!(desk.status().state, Mode::Idle);
+    assert_eq!(desk.status().mode, Mode::Idle);
     let at = seen
         .iter()
         .find(|(_, s)| *s == LoggedEvent::Fault)

@@ -75,7 +75,7 @@ fn go(desk: &mut Desk, mode: Mode) {
             // In full motion: the ramp ends away from the test.
             Event::Hold | Event::MinorFault => wait(desk, 700),
             // It stands.
-            Event::Start if desk.status().state == Mode::Holding => {
+            Event::Start if desk.status().mode == Mode::Holding => {
                 wait(desk, 400);
             }
             Event::Start => desk.until(Mode::Armed),
@@ -94,7 +94,7 @@ fn go(desk: &mut Desk, mode: Mode) {
 /// Back to idle from wherever an event has led.
 fn home(desk: &mut Desk) {
     loop {
-        let event = match desk.status().state {
+        let event = match desk.status().mode {
             Mode::Idle => return,
             Mode::Finished | Mode::Tripped => Event::Clear,
             Mode::Stopping => {
@@ -116,13 +116,15 @@ fn home(desk: &mut Desk) {
 /// What is wrong with the reply to `event` in `mode`, by the table.
 fn wrong(mode: Mode, event: Event, reply: &Reply) -> Option<String> {
     let right = match (mode.after(event), reply) {
-        (Ok(after), Reply::Done { state, .. }) => *state == after || ends_at_once(after, *state),
+        (Ok(after), Reply::Done { mode: now, .. }) => *now == after || ends_at_once(after, *now),
         (
             Err(_),
             Reply::Rejected {
-                state, event: told, ..
+                mode: now,
+                event: told,
+                ..
             },
-        ) => (*state, *told) == (mode, Some(event)),
+        ) => (*now, *told) == (mode, Some(event)),
         _ => false,
     };
     let said = mode.after(event).ok();
@@ -146,7 +148,7 @@ fn holds(desk: &mut Desk, mode: Mode, event: Event) {
     assert_eq!(wrong(mode, event, &reply), None);
     if let Reply::Done { .. } = reply {
         let status = desk.status();
-        let permits = status.state.permits_motion();
+        let permits = status.mode.permits_motion();
         assert_eq!(status.permit, permits, "{mode:?} {event:?}");
     }
 }
@@ -187,11 +189,11 @@ fn a_board_that_does_anything_else_is_seen() {
         .flat_map(|m| Event::ALL.map(|e| (m, e)))
     {
         let refused = Reply::Rejected {
-            state: mode,
+            mode,
             event: Some(event),
             obstacle: None,
         };
-        let done = Mode::ALL.map(|state| Reply::Done { tick: 0, state });
+        let done = Mode::ALL.map(|mode| Reply::Done { tick: 0, mode });
         let replies = done.into_iter().chain([refused]);
         let unseen = replies.filter(|reply| wrong(mode, event, reply).is_none());
         // The right one, and in these the mode behind it; another scenario waits for the approach.

@@ -134,7 +134,7 @@ fn the_settings_that_were_saved_last_are_in_force_at_power_up() {
     desk.pc.forget_steps();
     let reply = desk.ask(Command::Event(Event::Arm));
     assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
-    assert_eq!(desk.status().state, Mode::Idle);
+    assert_eq!(desk.status().mode, Mode::Idle);
 }
 
 #[test]

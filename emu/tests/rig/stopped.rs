@@ -72,7 +72,7 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
 
     let status = desk.status();
-    assert_eq!((status.state, status.permit), (Mode::Idle, false));
+    assert_eq!((status.mode, status.permit), (Mode::Idle, false));
     assert_eq!(status.trip, None);
     let seen = desk.log().seen;
     let permits = seen.iter().enumerate().filter_map(|(i, (_, s))| match s {

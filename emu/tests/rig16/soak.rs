@@ -92,7 +92,7 @@ impl Soak {
         let was_reset = log.seen.iter().any(is_reset);
         if was_reset {
             let (_, cause) = ENDS[(self.part + self.outcomes.reset as usize) % ENDS.len()];
-            assert_eq!((status.started, status.state), (cause, Mode::Idle));
+            assert_eq!((status.started, status.mode), (cause, Mode::Idle));
             assert_eq!(status.last_crash.is_some(), cause == StartCause::Watchdog);
             assert!(!status.permit);
             self.outcomes.reset += 1;

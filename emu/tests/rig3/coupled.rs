@@ -101,6 +101,6 @@ fn a_limit_of_one_actuator_and_one_of_the_rotation_trip_with_their_axis_and_perm
         assert_eq!(figures(&run.summary).trip_axis, Some(name), "{limit}");
         let trip = status.trip.expect("a trip");
         assert_eq!((trip.fault, trip.axis), (Fault::Force, axis), "{limit}");
-        assert!(!status.permit && status.state == Mode::Tripped);
+        assert!(!status.permit && status.mode == Mode::Tripped);
     }
 }

@@ -31,7 +31,7 @@ pub struct PreparedTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
 #[derive(Clone, Debug)]
 pub struct Ending {
     /// Where the loop stood.
-    pub state: Mode,
+    pub mode: Mode,
     /// The first fault, if there was one.
     pub trip: Option<Trip>,
     /// The operator stopped it before its end.

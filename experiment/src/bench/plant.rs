@@ -195,7 +195,7 @@ impl PlantBench<'_> {
             }
         }
         let ending = Ending {
-            state: outer.mode(),
+            mode: outer.mode(),
             trip: outer.trip(),
             by_hand,
             wall_s: began.elapsed().as_secs_f64(),

@@ -157,7 +157,7 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
         self.board.feed();
     }
 
-    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
-        self.board.starving(task, tick, state);
+    fn starving(&mut self, task: Heartbeat, tick: u32, mode: Mode) {
+        self.board.starving(task, tick, mode);
     }
 }

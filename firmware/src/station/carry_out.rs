@@ -91,7 +91,7 @@ impl<const A: usize> Station<A> {
         }
         if event == Event::Arm && self.output_lost {
             return Err(RefusedOrder::Event(Rejected {
-                state: self.mode(),
+                mode: self.mode(),
                 event,
                 obstacle: Some(Fault::Output),
             }));
@@ -103,17 +103,15 @@ impl<const A: usize> Station<A> {
                 return Err(RefusedOrder::Strained(force_n));
             }
         }
-        let state = self.setup.outer.handle(event);
-        if event == Event::Arm && state.is_ok() {
+        let mode = self.setup.outer.handle(event);
+        if event == Event::Arm && mode.is_ok() {
             self.output.permission.arm();
         }
-        if state == Ok(Mode::Idle) {
+        if mode == Ok(Mode::Idle) {
             self.output.out_of_range = false;
             self.signal = None;
         }
-        state
-            .map(|_| Returned::Nothing)
-            .map_err(RefusedOrder::Event)
+        mode.map(|_| Returned::Nothing).map_err(RefusedOrder::Event)
     }
 
     fn loop_status(&self) -> LoopStatus {

@@ -43,8 +43,8 @@ pub enum Order {
 pub struct Outcome {
     /// The first control step with it in force.
     pub tick: u32,
-    /// The state now.
-    pub state: Mode,
+    /// The mode now.
+    pub mode: Mode,
     /// What comes back, or why nothing was done.
     pub result: Result<Returned, RefusedOrder>,
 }

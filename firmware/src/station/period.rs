@@ -338,7 +338,7 @@ impl<const A: usize> Station<A> {
         let result = self.carry_out(order, hardware);
         let outcome = Outcome {
             tick: self.tick,
-            state: self.mode(),
+            mode: self.mode(),
             result,
         };
         // There is room: nobody else puts anything in.

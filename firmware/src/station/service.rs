@@ -100,7 +100,7 @@ pub struct Service {
     /// The calibration of each actuator and whether somebody has made it.
     calibrations: PerActuator<(Calibration, bool)>,
     windows: [[Window; 2]; MAX_ACTUATORS],
-    state: Mode,
+    mode: Mode,
     tick: u32,
     request: u16,
     pending: Pending,
@@ -148,7 +148,7 @@ impl Service {
                 .collect(),
             board,
             windows: [const { [const { Window::new() }; 2] }; MAX_ACTUATORS],
-            state: Mode::Idle,
+            mode: Mode::Idle,
             tick: 0,
             request: 0,
             pending: Pending::Nothing,
@@ -167,7 +167,7 @@ impl Service {
                 window.add(code);
             }
         }
-        self.state = report.step.mode().unwrap_or(self.state);
+        self.mode = report.step.mode().unwrap_or(self.mode);
         self.tick = report.tick;
         self.watch_step(report)
     }
@@ -225,15 +225,15 @@ impl Service {
     /// The outcome of the order has come. `Wait`: another one was needed.
     pub fn finish(&mut self, outcome: Outcome) -> CommandResult {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
-        let (tick, state) = (outcome.tick, outcome.state);
-        self.state = state;
+        let (tick, mode) = (outcome.tick, outcome.mode);
+        self.mode = mode;
         let returned = match outcome.result {
             Ok(returned) => returned,
             Err(refused) => return self.refuse(refused),
         };
         match (pending, returned) {
             (Pending::Status(link, stack_bytes), Returned::LoopStatus(loop_status)) => {
-                self.reply(self.status(tick, state, &loop_status, link, stack_bytes))
+                self.reply(self.status(tick, mode, &loop_status, link, stack_bytes))
             }
             (Pending::Configure(test), Returned::Setup(old, motion)) => {
                 self.rate_hz = test.config.timing.rate_hz as f32;
@@ -242,7 +242,7 @@ impl Service {
                 self.spare = Some(old);
                 self.watchers.clear();
                 let Some(motion) = motion else {
-                    return self.done(tick, state);
+                    return self.done(tick, mode);
                 };
                 // The motion was laid out over the old test's steps.
                 let (count, interval_s) = (motion.count(), motion.interval_s());
@@ -250,11 +250,11 @@ impl Service {
                     Ok(loaded) => self.order(Order::Load(loaded), Pending::Reload(tick)),
                     Err(writable) => {
                         self.writable = Some(writable);
-                        self.done(tick, state)
+                        self.done(tick, mode)
                     }
                 }
             }
-            (Pending::Reload(since), Returned::Motion(_)) => self.done(since, state),
+            (Pending::Reload(since), Returned::Motion(_)) => self.done(since, mode),
             (Pending::Calibrate(actuator, calibration, zeroed), _) => {
                 if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
                     // The placeholder takes a calibration back.
@@ -262,16 +262,16 @@ impl Service {
                 }
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),
-                    None => self.done(tick, state),
+                    None => self.done(tick, mode),
                 }
             }
             (Pending::Upload(upload), Returned::Motion(motion)) => {
                 self.writable = motion.map(|m| m.unload()).or(self.writable.take());
                 self.upload = Some(upload);
-                self.done(tick, state)
+                self.done(tick, mode)
             }
             (_, Returned::Record(words)) => self.reply(Reply::Record(words)),
-            (_, _) => self.done(tick, state),
+            (_, _) => self.done(tick, mode),
         }
     }
 
@@ -280,7 +280,7 @@ impl Service {
         let reply = if written {
             Reply::Done {
                 tick: self.tick,
-                state: self.state,
+                mode: self.mode,
             }
         } else {
             Reply::Refused(RefusedParameter::new(
@@ -305,8 +305,8 @@ impl Service {
         CommandResult::Reply(self.answer(reply))
     }
 
-    fn done(&mut self, tick: u32, state: Mode) -> CommandResult {
-        self.reply(Reply::Done { tick, state })
+    fn done(&mut self, tick: u32, mode: Mode) -> CommandResult {
+        self.reply(Reply::Done { tick, mode })
     }
 
     fn order(&mut self, order: Order, pending: Pending) -> CommandResult {
@@ -320,7 +320,7 @@ impl Service {
 
     fn rejected(&self, event: Option<Event>, obstacle: Option<Obstacle>) -> Reply {
         Reply::Rejected {
-            state: self.state,
+            mode: self.mode,
             event,
             obstacle,
         }
@@ -386,14 +386,14 @@ impl Service {
     fn status(
         &self,
         tick: u32,
-        state: Mode,
+        mode: Mode,
         loop_status: &LoopStatus,
         link: DecoderCounts,
         stack: u32,
     ) -> Reply {
         Reply::Status(Status {
             tick,
-            state,
+            mode,
             trip: loop_status.trip,
             permit: loop_status.permit,
             configured: loop_status.configured,
@@ -443,7 +443,7 @@ impl Service {
             return self.reply(refusal.into());
         }
         // Working it out takes longer than the rig watch of a running test may wait.
-        if self.state != Mode::Idle {
+        if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
         let Some(spare) = self.spare.take() else {

@@ -37,9 +37,9 @@ pub enum Uploaded {
 
 impl Uploaded {
     /// As an answer to the chunk.
-    pub fn reply(&self, tick: u32, state: Mode) -> Reply {
+    pub fn reply(&self, tick: u32, mode: Mode) -> Reply {
         match *self {
-            Self::Part | Self::Whole => Reply::Done { tick, state },
+            Self::Part | Self::Whole => Reply::Done { tick, mode },
             Self::Expected(point) => Reply::Expected(point),
             Self::NoNumber { index } => Reply::Refused(RefusedParameter::new(
                 "motion.points",

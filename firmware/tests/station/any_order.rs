@@ -87,6 +87,6 @@ proptest! {
         prop_assert!(matches!(calibrated, Reply::Done { .. }), "{:?}", calibrated);
         b.ready(config(), &pulse());
         let started = b.event(Event::Start);
-        prop_assert!(matches!(started, Reply::Done { state: Mode::Running, .. }), "{:?}", started);
+        prop_assert!(matches!(started, Reply::Done { mode: Mode::Running, .. }), "{:?}", started);
     }
 }

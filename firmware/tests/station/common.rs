@@ -118,15 +118,15 @@ impl Bench {
         self.log.last().unwrap().step.mode().unwrap()
     }
 
-    /// Steps until the state is `state`; returns how many.
-    pub fn until(&mut self, state: Mode) -> usize {
+    /// Steps until the mode is `mode`; returns how many.
+    pub fn until(&mut self, mode: Mode) -> usize {
         for steps in 0..60_000 {
-            if !self.log.is_empty() && self.mode() == state {
+            if !self.log.is_empty() && self.mode() == mode {
                 return steps;
             }
             self.step();
         }
-        panic!("still {:?}, not {state:?}", self.mode());
+        panic!("still {:?}, not {mode:?}", self.mode());
     }
 
     pub fn upload(&mut self, points: &[f32], interval_s: f64) {
@@ -165,7 +165,7 @@ impl Bench {
             matches!(
                 armed,
                 Reply::Done {
-                    state: Mode::Approaching | Mode::Armed,
+                    mode: Mode::Approaching | Mode::Armed,
                     ..
                 }
             ),

@@ -139,7 +139,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
             matches!(
                 reply,
                 Reply::Rejected {
-                    state: Mode::Running,
+                    mode: Mode::Running,
                     ..
                 }
             ),

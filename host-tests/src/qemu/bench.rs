@@ -56,12 +56,12 @@ pub fn rig<const N: usize>(scenario: &Scenario, seed: u64) -> impl FnMut(&[f32; 
 /// The records of all control periods from power-up on, as words.
 pub type Records = Vec<Vec<u32>>;
 
-/// What the operator does in a control period, by its number and the state, and what the board reports.
+/// What the operator does in a control period, by its number and the mode, and what the board reports.
 pub type Script<'a> = &'a dyn Fn(u32, Mode) -> (Option<Event>, Option<Fault>);
 
 /// Idles for a while, arms, starts as soon as it may and stays until the end.
-pub fn plain(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
-    let event = match state {
+pub fn plain(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
+    let event = match mode {
         Mode::Idle if tick >= 200 => Some(Event::Arm),
         Mode::Armed => Some(Event::Start),
         _ => None,
@@ -191,25 +191,25 @@ pub fn drive<const N: usize>(
 ) -> Result<Records> {
     let mut records = Records::with_capacity(ticks as usize);
     let mut command_m = [0.0; N];
-    let mut state = Mode::Idle;
+    let mut mode = Mode::Idle;
     for tick in 0..ticks {
         let mut sample = rig(&command_m);
-        let (event, fault) = script(tick, state);
+        let (event, fault) = script(tick, mode);
         sample.fault = fault;
         let words;
         let command = test.told(tick).or(event.map(Command::Event));
         (command_m, words) = period(command.as_ref(), sample)?;
-        state = state_of(&words)?;
+        mode = mode_of(&words)?;
         records.push(words);
     }
     Ok(records)
 }
 
-/// The state in a record: bits 0 to 3 of its third word.
-fn state_of(words: &[u32]) -> Result<Mode> {
+/// The mode in a record: bits 0 to 3 of its third word.
+fn mode_of(words: &[u32]) -> Result<Mode> {
     let flags = words.get(2).copied().unwrap_or(u32::MAX);
-    let state = Mode::from_code(flags & 0xf);
-    state.ok_or_else(|| Error::other("a record without a state"))
+    let mode = Mode::from_code(flags & 0xf);
+    mode.ok_or_else(|| Error::other("a record without a mode"))
 }
 
 /// True if an integration step was solved in this control period.

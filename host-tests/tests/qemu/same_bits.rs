@@ -29,8 +29,8 @@ fn noisy(mut scenario: Scenario) -> Scenario {
 }
 
 /// An operator who holds and goes on, and later clears the fault of the board and begins again.
-fn busy(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
-    let event = match (tick, state) {
+fn busy(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
+    let event = match (tick, mode) {
         (3000, _) => Some(Event::Hold),
         (3500, _) => Some(Event::Start),
         (200.., Mode::Idle) => Some(Event::Arm),
@@ -60,12 +60,12 @@ fn same<const N: usize>(
     );
     assert_eq!((summary.hash, summary.steps), (hash, ticks));
     println!("{N} DOF, {ticks} control periods: hash {hash:016x} in QEMU and here");
-    let mut states: Vec<u32> = here.iter().map(|words| words[2] & 0xf).collect();
-    states.dedup();
-    Some(states)
+    let mut modes: Vec<u32> = here.iter().map(|words| words[2] & 0xf).collect();
+    modes.dedup();
+    Some(modes)
 }
 
-const STATES: [Mode; 12] = [
+const MODES: [Mode; 12] = [
     Mode::Idle,
     Mode::Armed,
     Mode::Running,
@@ -83,8 +83,8 @@ const STATES: [Mode; 12] = [
 #[test]
 fn one_degree_of_freedom() {
     let scenario = noisy(Scenario::delayed(table1(), 4.0));
-    if let Some(states) = same::<1>(&scenario, 12_000, &busy) {
-        assert_eq!(states, STATES.map(|s| s as u32));
+    if let Some(modes) = same::<1>(&scenario, 12_000, &busy) {
+        assert_eq!(modes, MODES.map(|s| s as u32));
     }
 }
 
@@ -176,8 +176,8 @@ fn three_degrees_of_freedom() {
     scenario.config.compensation.delay_ms = times(&[4.5, 7.0, 9.7]);
     scenario.config.estimation.delay_ms = times(&[4.0, 6.0, 9.0]);
     scenario.config.estimation.lag_ms = times(&[0.5, 1.0, 0.7]);
-    if let Some(states) = same::<3>(&scenario, 12_000, &busy) {
-        assert_eq!(states, STATES.map(|s| s as u32));
+    if let Some(modes) = same::<3>(&scenario, 12_000, &busy) {
+        assert_eq!(modes, MODES.map(|s| s as u32));
     }
 }
 
@@ -185,9 +185,9 @@ fn three_degrees_of_freedom() {
 #[test]
 fn a_whole_test_to_its_end() {
     let scenario = Scenario::delayed(table1(), 4.0);
-    if let Some(states) = same::<1>(&scenario, 17_000, &bench::plain) {
+    if let Some(modes) = same::<1>(&scenario, 17_000, &bench::plain) {
         let to_the_end = [Mode::Idle, Mode::Armed, Mode::Running, Mode::Finished];
-        assert_eq!(states, to_the_end.map(|s| s as u32));
+        assert_eq!(modes, to_the_end.map(|s| s as u32));
     }
 }
 

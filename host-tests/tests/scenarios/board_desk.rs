@@ -32,7 +32,7 @@ fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
             board.listen()?;
         }
         let now = status(board)?;
-        Err(Failure::test(now.state.name()))
+        Err(Failure::test(now.mode.name()))
     });
     assert_eq!(row.found, "running");
 }

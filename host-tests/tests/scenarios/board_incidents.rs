@@ -153,6 +153,8 @@ fn a_test_of_which_a_step_came_out_otherwise_is_stopped_on_its_ramp() {
     assert!(board.steps_lost == 0 && board.steps_different > 0);
     let said = board.sentence();
     assert!(said.contains("worked a step out otherwise"), "{said}");
+    let said = run.summary.sentence();
+    assert!(said.starts_with("Stopped by the PC, since"), "{said}");
     let steps = run.trace.unwrap().len();
     assert!(steps > 3000 && steps < 9100, "{steps}");
 }

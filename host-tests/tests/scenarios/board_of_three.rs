@@ -296,7 +296,7 @@ fn each_actuator_is_commissioned_alone_and_finds_its_column_of_the_stiffness() {
     }
     // The board is idle again each time, and all is as it was.
     let status = board::status(&mut connection).unwrap();
-    assert_eq!((status.state, status.permit), (Mode::Idle, false));
+    assert_eq!((status.mode, status.permit), (Mode::Idle, false));
 }
 
 #[test]

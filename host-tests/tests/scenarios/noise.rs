@@ -84,7 +84,7 @@ fn a_converter_of_16_bits_costs_nothing_and_one_of_12_up_to_half_of_the_error() 
         let mut s = Scenario::delayed(table1(), 4.0);
         let rms = |s: &Scenario| {
             let trace = s.run::<1>(shaking, 32.0, 1);
-            assert_eq!(trace.state, Mode::Running, "{name}, {}", s.sensors);
+            assert_eq!(trace.mode, Mode::Running, "{name}, {}", s.sensors);
             eps(&trace, &s.ideal(shaking, 32.0), 0).1
         };
         let without = rms(&s);

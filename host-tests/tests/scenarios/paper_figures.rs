@@ -101,7 +101,7 @@ fn eq_14_with_eqs_12_and_16_reaches_the_published_errors() {
         let (m, r, trace) = errors(&s, shaking, seconds(name));
         within(m, max, 0.05);
         within(r, rms, 0.05);
-        assert_eq!(trace.state, Mode::Running);
+        assert_eq!(trace.mode, Mode::Running);
     }
 }
 

@@ -17,6 +17,7 @@ use crate::stage::{Stage, Stages};
 /// How a command becomes a displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum ActuatorKind {
     /// The displacement is the command of the same step. Delay and lag are not looked at, so that any test file can
     /// be run against the ideal.

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 /// A measuring channel of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Sensor {
     /// The displacement transducer.
     Displacement,

@@ -13,6 +13,7 @@ use crate::per_axis::PerAxis;
 /// The restoring force of a storey.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum SpecimenKind {
     /// `R = K x`.
     #[default]

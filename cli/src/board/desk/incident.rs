@@ -100,7 +100,7 @@ pub fn row(
                 let now = status(board)?;
                 let died = now.last_crash.as_ref().map(|crash| crash.cause);
                 let good = (now.started, died, now.permit) == (started, cause, false);
-                Ok((said(&now), good && now.state == Mode::Idle))
+                Ok((said(&now), good && now.mode == Mode::Idle))
             }
             Leaves::Trip(fault) => {
                 until_tripped(board)?;
@@ -108,7 +108,7 @@ pub fn row(
                 let tripped = now.trip.map(|t| t.fault);
                 let level = if now.permit { "high" } else { "low" };
                 let name = tripped.map_or("none", Fault::name);
-                let said = format!("{}, fault {name}, PERMIT {level}", now.state.name());
+                let said = format!("{}, fault {name}, PERMIT {level}", now.mode.name());
                 clear(board)?;
                 forget(board);
                 Ok((said, (tripped, now.permit) == (Some(fault), false)))
@@ -136,7 +136,7 @@ fn said(now: &Status) -> String {
     format!(
         "started again by {:?}, {}, PERMIT {level}, crash report {report}",
         now.started,
-        now.state.name()
+        now.mode.name()
     )
 }
 

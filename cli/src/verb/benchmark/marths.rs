@@ -2,6 +2,8 @@
 
 mod by_table;
 
+pub use by_table::FollowedMarths;
+
 use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
 use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
@@ -15,10 +17,39 @@ use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
 use benchmarks::marths::goals::goals;
+use diagnosis::CoupledDiagnosis;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use experiment::files::{look_ahead, read};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
+
+/// What was found; pairs are actuator 1 and 2, or x and rotation.
+#[derive(Serialize, JsonSchema)]
+pub struct MarthsAnswer<'a> {
+    rules: &'static str,
+    seed: u64,
+    /// Drawn plants a controller.
+    plants: usize,
+    /// What was asked for, beside what was found.
+    targets: &'a [Goal],
+    rows: &'a [MarthsRow],
+    /// What J1 to J9 mean.
+    criteria: [&'static str; 9],
+    /// The model that is subtracted as physical, where it is not the problem's.
+    model: Option<&'a Path>,
+    declared_part: Vec<DeclaredByRecord<'a>>,
+    seconds: f64,
+}
+
+/// What the loop's record of a ground motion says of the declared part.
+#[derive(Serialize, JsonSchema)]
+struct DeclaredByRecord<'a> {
+    record: &'a str,
+    floors: &'a [Floor],
+    diagnosis: &'a CoupledDiagnosis,
+}
 
 #[derive(clap::Args, Debug)]
 pub(super) struct Marths {
@@ -124,14 +155,22 @@ impl Marths {
                 .collect::<Result<Vec<_>, Failure>>()
         })?;
         let goals = self.asked_for(&rows, &parts);
-        let answer = serde_json::json!({
-            "rules": "official", "seed": self.seed, "plants": self.plants, "targets": goals, "rows": rows,
-            "criteria": MEANING, "model": self.model,
-            "declared_part": parts.iter().map(|(record, found)| serde_json::json!({
-                "record": record.name, "floors": found.floors, "diagnosis": found.diagnosis,
-            })).collect::<Vec<_>>(),
-            "seconds": begin.elapsed().as_secs_f64(),
+        let declared = parts.iter().map(|(record, found)| DeclaredByRecord {
+            record: &record.name,
+            floors: &found.floors,
+            diagnosis: &found.diagnosis,
         });
+        let answer = MarthsAnswer {
+            rules: "official",
+            seed: self.seed,
+            plants: self.plants,
+            targets: &goals,
+            rows: &rows,
+            criteria: MEANING,
+            model: self.model.as_deref(),
+            declared_part: declared.collect(),
+            seconds: begin.elapsed().as_secs_f64(),
+        };
         let text = json(&WithProvenance::of(&answer))?;
         if let Some(file) = self.model.as_ref().filter(|_| !self.json) {
             println!(

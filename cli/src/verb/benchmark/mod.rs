@@ -5,6 +5,9 @@ mod marths;
 mod rths;
 mod shared;
 
+pub use marths::{FollowedMarths, MarthsAnswer};
+pub use rths::{FollowedRths, RthsAnswer};
+
 use experiment::failure::Failure;
 
 /// Run a benchmark problem of the field

@@ -2,22 +2,50 @@
 
 mod by_table;
 
+pub use by_table::FollowedRths;
+
 use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
 use crate::answer::benchmark::of_rths;
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{Progress, interrupt};
 use crate::verb::{hand_over_tests, json, no_files, require_all_ran};
+use benchmarks::goal::Goal;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::verdict::{best, goals, whole_table};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Benchmark, Contestant, GroundRecord, Rules};
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use experiment::files::look_ahead;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
+
+/// What was found; pairs of a name and a figure are J1 to J9.
+#[derive(Serialize, JsonSchema)]
+pub struct RthsAnswer<'a> {
+    rules: String,
+    seed: u64,
+    /// Perturbed plants a case.
+    plants: usize,
+    /// What was asked for, beside what was found.
+    targets: &'a [Goal],
+    /// The controllers whose mean J4 is the least.
+    best: Vec<String>,
+    rows: &'a [RthsRow],
+    /// The nominal plant with a specimen that loses stiffness and strength, where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    degrading: Option<&'a [RthsRow]>,
+    /// With one that slips around zero beside that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pinched: Option<&'a [RthsRow]>,
+    seconds: f64,
+    /// What J1 to J9 mean.
+    criteria: [&'static str; 9],
+}
 
 #[derive(clap::Args, Debug)]
 pub(super) struct Rths {
@@ -137,13 +165,22 @@ impl Rths {
         let mut goals = goals(&rules, &rows);
         let seconds = began.elapsed().as_secs_f64();
         goals.extend(whole_table(&rows, seconds));
-        let mut answer = serde_json::json!({
-            "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": goals,
-            "best": best(&rows), "rows": rows, "seconds": seconds, "criteria": MEANING,
-        });
-        for (behaviour, rows) in beside.iter().zip(&yielding) {
-            answer[behaviour.name()] = serde_json::json!(rows);
-        }
+        let of = |wanted| {
+            let mut all = beside.iter().zip(&yielding);
+            all.find_map(|(behaviour, rows)| (*behaviour == wanted).then_some(&rows[..]))
+        };
+        let answer = RthsAnswer {
+            rules: rules.name(),
+            seed: self.seed,
+            plants: self.plants,
+            targets: &goals,
+            best: best(&rows),
+            rows: &rows,
+            degrading: of(Behaviour::Degrading),
+            pinched: of(Behaviour::Pinched),
+            seconds,
+            criteria: MEANING,
+        };
         let text = json(&WithProvenance::of(&answer))?;
         let asked = records.len() * CASES.len() * contestants.len() * (1 + beside.len());
         let ran = rows.len() + yielding.iter().map(Vec::len).sum::<usize>();

@@ -16,6 +16,7 @@ use experiment::failure::Failure;
 use experiment::files::{look_ahead, output};
 use link::reply::Identity;
 use outerloop_core::Method;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::Command;
@@ -71,9 +72,9 @@ fn image(name: &str) -> Result<Image, String> {
     })
 }
 
-/// All that was found.
-#[derive(Serialize)]
-struct Found<'a> {
+/// What desk.json has.
+#[derive(Serialize, JsonSchema)]
+pub struct DeskAnswer<'a> {
     board: &'a Identity,
     emulated: bool,
     notes: &'a [String],
@@ -95,7 +96,7 @@ impl Desk {
         self.refuse_another_image(&identity)?;
         self.refuse_what_is_no_desk(&mut board)?;
         let rows = self.rows(board, &identity, &methods)?;
-        let found = Found {
+        let found = DeskAnswer {
             board: &identity,
             emulated: self.is_emulated(),
             notes: &self.note,

@@ -16,6 +16,7 @@ pub struct ColumnChoice {
 /// Unit of an acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "options", derive(clap::ValueEnum))]
+#[non_exhaustive]
 pub enum AccelerationUnit {
     /// Standard gravity, 9.80665 m/s^2.
     #[cfg_attr(feature = "options", value(name = "g"))]

@@ -66,7 +66,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
     let mut time = StepTime::new(u32::MAX);
     let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
-    let done = |tick, state| Reply::Done { tick, state };
+    let done = |tick, mode| Reply::Done { tick, mode };
     pc.reply(begin.request, done(0, outer.mode()))?;
 
     let mut hash = Record::<N>::HASH_START;
@@ -81,7 +81,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
                     stack = HighWater::paint();
                     let handled = outer.handle(event);
                     event_stack = stack.bytes().max(event_stack);
-                    handled.map_or_else(Reply::from, |state| done(time.steps(), state))
+                    handled.map_or_else(Reply::from, |mode| done(time.steps(), mode))
                 }
                 Command::Watch(_, told) => match watchers.tell(&told, in_block) {
                     Ok(()) => {

@@ -44,7 +44,7 @@ impl<C: Converters<A>, const A: usize> ControlCell<C, A> {
         // SAFETY: the interrupt does not interrupt itself, and nobody else reaches this.
         if let Some(control) = unsafe { &mut *self.0.get() } {
             control.station.period(&mut control.metal);
-            kept::note_state(control.station.mode());
+            kept::note_mode(control.station.mode());
         }
         // ARM erratum 838869: a store just before the return could make the processor take the wrong vector.
         cortex_m::asm::dsb();

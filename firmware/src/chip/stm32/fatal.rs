@@ -72,7 +72,7 @@ fn halt(cause: CrashCause, text: String<96>) -> ! {
     kept::keep(&CrashReport {
         cause,
         tick: noted_tick(),
-        state: kept::noted_state(),
+        mode: kept::noted_mode(),
         text,
     });
     loop {

@@ -20,17 +20,17 @@ struct Kept {
 #[unsafe(link_section = ".uninit.kept")]
 static mut KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
 
-static STATE: AtomicU8 = AtomicU8::new(Mode::Idle as u8);
+static MODE: AtomicU8 = AtomicU8::new(Mode::Idle as u8);
 
-/// The control interrupt's state after a step, for a crash report.
+/// The control interrupt's mode after a step, for a crash report.
 #[inline]
-pub fn note_state(state: Mode) {
-    STATE.store(state as u8, Relaxed);
+pub fn note_mode(mode: Mode) {
+    MODE.store(mode as u8, Relaxed);
 }
 
-/// The last noted state.
-pub fn noted_state() -> Mode {
-    let code = STATE.load(Relaxed);
+/// The last noted mode.
+pub fn noted_mode() -> Mode {
+    let code = MODE.load(Relaxed);
     Mode::ALL
         .into_iter()
         .find(|&s| s as u8 == code)
@@ -80,7 +80,7 @@ pub fn crash_before(start: StartCause) -> Option<CrashReport> {
         (StartCause::Watchdog, None) => Some(CrashReport {
             cause: CrashCause::Silent,
             tick: 0,
-            state: Mode::Idle,
+            mode: Mode::Idle,
             text: link::reply::cut("the control interrupt stopped"),
         }),
         (_, words) => words,

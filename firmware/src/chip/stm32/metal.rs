@@ -92,13 +92,13 @@ impl<C> Metal<C> {
 
     /// Keeps why the watchdog is not fed, once.
     #[cold]
-    fn tell(&mut self, cause: CrashCause, tick: u32, state: Mode, text: &str) {
+    fn tell(&mut self, cause: CrashCause, tick: u32, mode: Mode, text: &str) {
         if !core::mem::replace(&mut self.told, true) {
             let text = link::reply::cut(text);
             kept::keep(&CrashReport {
                 cause,
                 tick,
-                state,
+                mode,
                 text,
             });
         }
@@ -198,9 +198,9 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     #[inline]
     fn feed(&mut self) {
         if !self.permit_follows {
-            let (tick, state) = (fatal::noted_tick(), kept::noted_state());
+            let (tick, mode) = (fatal::noted_tick(), kept::noted_mode());
             let text = "what PERMIT or its port shows is not what was written";
-            return self.tell(CrashCause::PermitStays, tick, state, text);
+            return self.tell(CrashCause::PermitStays, tick, mode, text);
         }
         if core::mem::take(&mut self.told) {
             kept::forget();
@@ -209,12 +209,12 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     }
 
     #[cold]
-    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
+    fn starving(&mut self, task: Heartbeat, tick: u32, mode: Mode) {
         let text = match task {
             Heartbeat::Listen => "the task that receives commands",
             Heartbeat::Report => "the task that sends reports",
             Heartbeat::Pc => "the PC",
         };
-        self.tell(CrashCause::Starved, tick, state, text);
+        self.tell(CrashCause::Starved, tick, mode, text);
     }
 }

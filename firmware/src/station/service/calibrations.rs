@@ -91,7 +91,7 @@ impl Service {
     }
 
     pub(super) fn save(&mut self) -> CommandResult {
-        if self.state != Mode::Idle {
+        if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
         if self.test.is_none() && self.calibrations.iter().all(|c| !c.1) {

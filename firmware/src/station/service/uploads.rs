@@ -51,7 +51,7 @@ impl Service {
                     Uploaded::WrongSum { received } => Reply::WrongSum { received },
                     other => {
                         self.upload = Some(upload);
-                        other.reply(self.tick, self.state)
+                        other.reply(self.tick, self.mode)
                     }
                 };
                 self.reply(reply)

@@ -23,13 +23,13 @@ impl Service {
         }
         // As the loop counts them.
         let steps = steps_in_block(test.config.timing.rate_hz);
-        if self.state != Mode::Idle {
+        if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
         match self.tell(actuator, told, steps) {
             Err(refusal) => self.reply(refusal.into()),
             Ok(()) if self.watchers.count() < self.board.actuators => {
-                self.done(self.tick, self.state)
+                self.done(self.tick, self.mode)
             }
             Ok(()) => self.order(Order::Watch(self.watchers.corrects()), Pending::Done),
         }
@@ -61,7 +61,7 @@ impl Service {
 
     /// Has the rig watch judge a step; true if what it says has changed.
     pub(super) fn watch_step(&mut self, report: &Report) -> bool {
-        if self.state == Mode::Idle {
+        if self.mode == Mode::Idle {
             self.watchers.forget_test();
         }
         let mut seen = [Seen::default(); MAX_ACTUATORS];

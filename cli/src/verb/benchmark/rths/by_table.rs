@@ -5,16 +5,50 @@ use super::super::shared::refused;
 use super::Rths;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
+use benchmarks::rths::bench::{criteria, criteria_schema};
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
 use benchmarks::rths::{GroundRecord, RATE_HZ, Rules, follow};
 use experiment::failure::Failure;
 use experiment::files::output;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::Path;
 
 /// The column that is to be filled in.
 const COMMANDS: [&str; 1] = ["command_m"];
+
+/// What the commands of a table came to.
+#[derive(Serialize, JsonSchema)]
+pub struct FollowedRths<'a> {
+    rules: String,
+    seed: u64,
+    /// What J1 to J9 mean.
+    criteria: [&'static str; 9],
+    rows: [FollowedRow<'a>; 1],
+}
+
+/// One table, one case: J1 in ms, else per cent.
+#[derive(Serialize, JsonSchema)]
+struct FollowedRow<'a> {
+    /// The table.
+    controller: String,
+    case: u8,
+    record: &'a str,
+    #[serde(flatten, serialize_with = "criteria")]
+    #[schemars(schema_with = "criteria_schema")]
+    j: [f64; 9],
+    /// J2 of the displacement as it was.
+    #[serde(rename = "J2_true")]
+    j2_true: f64,
+    /// J4 of the displacement as it was.
+    #[serde(rename = "J4_true")]
+    j4_true: f64,
+    within_limits: bool,
+    perturbed: usize,
+    lost: usize,
+}
 
 impl Rths {
     /// `--targets` and `--follow`: one record, one case.
@@ -58,17 +92,23 @@ impl Rths {
     ) -> Result<(), Failure> {
         let found = follow::judge(record, place, commands_m, self.seed, rules).map_err(refused)?;
         if self.json {
-            let mut row = serde_json::json!({
-                "controller": file.display().to_string(), "case": CASES[place].number,
-                "record": record.name, "J2_true": found.j2_true, "J4_true": found.j4_true,
-                "within_limits": found.within_limits, "perturbed": 0, "lost": 0,
-            });
-            for (i, j) in found.j.iter().enumerate() {
-                row[format!("J{}", i + 1)] = serde_json::json!(j);
-            }
-            let answer = serde_json::json!({
-                "rules": rules.name(), "seed": self.seed, "criteria": MEANING, "rows": [row],
-            });
+            let row = FollowedRow {
+                controller: file.display().to_string(),
+                case: CASES[place].number,
+                record: &record.name,
+                j: found.j,
+                j2_true: found.j2_true,
+                j4_true: found.j4_true,
+                within_limits: found.within_limits,
+                perturbed: 0,
+                lost: 0,
+            };
+            let answer = FollowedRths {
+                rules: rules.name(),
+                seed: self.seed,
+                criteria: MEANING,
+                rows: [row],
+            };
             answer!("{}", json(&WithProvenance::of(&answer))?);
             return Ok(());
         }

@@ -38,9 +38,9 @@ pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
         drill::background();
         let flags = FLAGS.load(Relaxed);
         let fault = flags >> 8 & 0xff;
-        let state = Mode::from_code(flags & 0xf);
-        let moving = state.is_some_and(Mode::permits_motion);
-        lamps.green.set_level(Level::from(match state {
+        let mode = Mode::from_code(flags & 0xf);
+        let moving = mode.is_some_and(Mode::permits_motion);
+        lamps.green.set_level(Level::from(match mode {
             Some(Mode::Running | Mode::Resuming | Mode::Commissioning) => true,
             Some(_) => count % 10 == 0,
             None => false,
