@@ -46,8 +46,8 @@ fn commands(page: &str) -> Vec<String> {
     for (block, prompt) in plain.chain(console) {
         let joined = block.join("\n").replace("\\\n", " ");
         let lines = joined.lines().filter_map(|line| line.strip_prefix(prompt));
-        let lines = lines
-            .map(|line| without_comment(line).replace("cargo run --release -- ", "outerloop "));
+        let lines =
+            lines.map(|line| without_comment(line).replace("cargo outerloop ", "outerloop "));
         all.extend(lines.filter(|line| !line.is_empty()));
     }
     all
