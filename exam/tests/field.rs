@@ -156,7 +156,7 @@ fn the_stated_noise_is_the_readings_whatever_the_declared_model_lacks() {
 }
 
 #[test]
-#[ignore = "half an hour of one core: two thousand drawn rigs; docs/diagnosis-exam.md says how many were drawn"]
+#[ignore = "half an hour of one core: two thousand drawn rigs; docs/diagnosis-validation.md says how many were drawn"]
 fn no_more_names_are_false_than_their_q_says_on_two_thousand_rigs() {
     let all = all(set_field, 13_000..15_000);
     let vouched: Vec<_> = all.iter().flat_map(|s| &s.vouched).collect();
