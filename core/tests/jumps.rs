@@ -22,6 +22,8 @@ enum Comes {
     Asked(Event),
     /// So many steps on a rig that does what it is told.
     Steps(u8),
+    /// As many with the contact of the permission's chain open.
+    Open(u8),
     /// A sample of any bits, fresh or not.
     Wild(f32, f32, bool),
     Reported(Fault),
@@ -48,6 +50,7 @@ fn comes() -> impl Strategy<Value = Comes> {
         4 => prop::sample::select(&[Event::Arm, Event::Start, Event::Hold, Event::Clear][..]).prop_map(Comes::Asked),
         2 => prop::sample::select(&Event::ALL[..]).prop_map(Comes::Asked),
         8 => any::<u8>().prop_map(Comes::Steps),
+        1 => (1_u8..20).prop_map(Comes::Open),
         1 => (any_f32(), any_f32(), any::<bool>()).prop_map(|(m, n, fresh)| Comes::Wild(m, n, fresh)),
         1 => prop::sample::select(&Fault::ALL[..]).prop_map(Comes::Reported),
         2 => (-0.02_f32..0.02).prop_map(Comes::Target),
@@ -106,6 +109,15 @@ impl Test<'_> {
                 for _ in 0..*count {
                     let sample = self.rig.sample();
                     self.step(&sample)?;
+                }
+            }
+            Comes::Open(count) => {
+                for _ in 0..*count {
+                    let open = Sample {
+                        chain_open: true,
+                        ..self.rig.sample()
+                    };
+                    self.step(&open)?;
                 }
             }
             Comes::Wild(m, n, fresh) => {

@@ -96,9 +96,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         commands_m
     }
 
-    /// The ramp to a standstill begins at what was sent and not at the target behind it.
+    /// The ramp to a standstill begins at what was sent and not at the target behind it; stop and go sends the target.
     pub(super) fn stop_at_command(&mut self) {
-        if self.design.predicts && self.mode.integrates() {
+        let ahead = self.design.predicts && self.pace != Some(Pace::StopAndGo);
+        if ahead && self.mode.integrates() {
             self.signal.start_from(self.aimed_m, self.aimed_step_m);
             self.target_m = self.aimed_m;
         }

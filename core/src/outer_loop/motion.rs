@@ -1,10 +1,14 @@
 //! The next target where no test of its own runs.
 
 use super::OuterLoop;
+use crate::float::larger;
 use crate::record::flag;
 use crate::rig::Rig;
 use crate::signal::SignalGenerator;
 use crate::supervise::Mode;
+
+/// Where a ramp stands at the latest, as a share of the limit on displacement.
+const BEFORE_LIMIT: f32 = 0.98;
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
@@ -17,10 +21,14 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     ) -> [f32; N] {
         match self.mode {
             Mode::Idle => self.follow(displacement_m),
-            // What is permitted and cannot move yet is followed, as while idle.
             Mode::Approaching if chain_open => {
                 self.flags |= flag::CHAIN_OPEN;
-                self.follow(displacement_m)
+                match self.idle_mean_m {
+                    // What is permitted and cannot move yet is followed, as while idle.
+                    Some(_) => self.follow(displacement_m),
+                    // A contact that bounces on the way.
+                    None => self.target_m,
+                }
             }
             Mode::Approaching => self.approach_start(),
             Mode::Armed => [0.0; N],
@@ -51,6 +59,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
 
     /// A step of the slow way to the start position.
     fn approach_start(&mut self) -> [f32; N] {
+        // Where it stood when it was armed is left.
+        self.idle_mean_m = None;
         let next_m = self.approach([0.0; N]);
         if next_m == [0.0; N] {
             self.mode = Mode::Armed;
@@ -120,10 +130,27 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         (0..N).all(|j| velocity_m[j].abs() <= longest_m * self.rig.per_metre(j))
     }
 
-    /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.
+    /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration, or at the larger one at which
+    /// it stands before the limit on displacement.
     fn slow_down(&mut self) -> [f32; N] {
-        let step_m = self.design.deceleration_step_m;
-        let by = core::array::from_fn(|j| step_m * self.rig.per_metre(j));
+        let (step_m, limit_m) = (
+            self.design.deceleration_step_m,
+            BEFORE_LIMIT * self.design.limits.displacement_m,
+        );
+        let (at_m, velocity_m) = (self.signal.command_m(), self.signal.velocity_m());
+        let by = core::array::from_fn(|j| {
+            let (set, v) = (step_m * self.rig.per_metre(j), velocity_m[j]);
+            // The limit is on the actuators.
+            if !R::SAME_COORDINATES || j >= self.design.physical {
+                return set;
+            }
+            let room_m = limit_m - at_m[j] * 1.0_f32.copysign(v);
+            if room_m > 0.0 {
+                larger(set, v * v / (2.0 * room_m))
+            } else {
+                v.abs()
+            }
+        });
         self.signal.decelerate(by);
         *self.signal.command_m()
     }

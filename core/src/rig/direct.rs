@@ -122,7 +122,17 @@ impl<const N: usize> DirectRig<N> {
             let x = (displacement_m[j] - k.displacement_offset_m) * k.displacement_scale;
             let force = (force_n[j] - k.force_offset_n) * k.force_scale;
             // A friction that follows noise back and forth never builds up to its full size.
-            let last = memory.last_m.unwrap_or(x);
+            let last = match memory.last_m {
+                Some(last) => last,
+                // It stood there before.
+                None => {
+                    memory.waiting = DelayLine::filled(match k.wait {
+                        Wait::Force(_) => force,
+                        Wait::Displacement(_) | Wait::Neither => x,
+                    });
+                    x
+                }
+            };
             let moved = larger(smaller(last, x + k.idle_m), x - k.idle_m);
             let friction = memory.friction + (moved - last) * k.per_presliding;
             memory.friction = larger(smaller(friction, 1.0), -1.0);
