@@ -2,8 +2,6 @@
 
 mod by_table;
 
-pub use by_table::FollowedMarths;
-
 use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
 use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};

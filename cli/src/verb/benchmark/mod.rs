@@ -1,12 +1,14 @@
 //! `outerloop benchmark`: the benchmark problems of the field, one file a problem.
 
 mod command_table;
+mod followed;
 mod marths;
 mod rths;
 mod shared;
 
-pub use marths::{FollowedMarths, MarthsAnswer};
-pub use rths::{FollowedRths, RthsAnswer};
+pub use followed::{FollowedMarths, FollowedRths};
+pub use marths::MarthsAnswer;
+pub use rths::RthsAnswer;
 
 use experiment::failure::Failure;
 

@@ -1,44 +1,22 @@
 //! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
 
 use super::super::command_table;
+use super::super::followed::{FollowedMarths, FollowedMarthsRow};
 use super::super::shared::refused;
 use super::Marths;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
 use benchmarks::marths::RATE_HZ;
 use benchmarks::marths::bench::MarthsRecord;
-use benchmarks::marths::criteria::{Criteria, MEANING};
+use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::follow;
 use benchmarks::marths::table::both;
 use experiment::failure::Failure;
 use experiment::files::output;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::Path;
 
 /// The columns that are to be filled in.
 const COMMANDS: [&str; 2] = ["command_m", "command2_m"];
-
-/// What the commands of a table came to.
-#[derive(Serialize, JsonSchema)]
-pub struct FollowedMarths<'a> {
-    rules: &'static str,
-    seed: u64,
-    /// What J1 to J9 mean.
-    criteria: [&'static str; 9],
-    rows: [FollowedRow<'a>; 1],
-}
-
-/// One table; J8 has no figure.
-#[derive(Serialize, JsonSchema)]
-struct FollowedRow<'a> {
-    /// The table.
-    controller: String,
-    record: &'a str,
-    #[serde(flatten)]
-    j: Criteria,
-    perturbed: usize,
-}
 
 impl Marths {
     /// `--targets` and `--follow`: one ground motion.
@@ -79,7 +57,7 @@ impl Marths {
         };
         let found = follow::judge(record, [first, second], self.seed).map_err(refused)?;
         if self.json {
-            let row = FollowedRow {
+            let row = FollowedMarthsRow {
                 controller: file.display().to_string(),
                 record: &record.name,
                 j: found,

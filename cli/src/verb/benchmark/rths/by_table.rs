@@ -1,54 +1,21 @@
 //! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
 
 use super::super::command_table;
+use super::super::followed::{FollowedRths, FollowedRthsRow};
 use super::super::shared::refused;
 use super::Rths;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
-use benchmarks::rths::bench::{criteria, criteria_schema};
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
 use benchmarks::rths::{GroundRecord, RATE_HZ, Rules, follow};
 use experiment::failure::Failure;
 use experiment::files::output;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::Path;
 
 /// The column that is to be filled in.
 const COMMANDS: [&str; 1] = ["command_m"];
-
-/// What the commands of a table came to.
-#[derive(Serialize, JsonSchema)]
-pub struct FollowedRths<'a> {
-    rules: String,
-    seed: u64,
-    /// What J1 to J9 mean.
-    criteria: [&'static str; 9],
-    rows: [FollowedRow<'a>; 1],
-}
-
-/// One table, one case: J1 in ms, else per cent.
-#[derive(Serialize, JsonSchema)]
-struct FollowedRow<'a> {
-    /// The table.
-    controller: String,
-    case: u8,
-    record: &'a str,
-    #[serde(flatten, serialize_with = "criteria")]
-    #[schemars(schema_with = "criteria_schema")]
-    j: [f64; 9],
-    /// J2 of the displacement as it was.
-    #[serde(rename = "J2_true")]
-    j2_true: f64,
-    /// J4 of the displacement as it was.
-    #[serde(rename = "J4_true")]
-    j4_true: f64,
-    within_limits: bool,
-    perturbed: usize,
-    lost: usize,
-}
 
 impl Rths {
     /// `--targets` and `--follow`: one record, one case.
@@ -92,7 +59,7 @@ impl Rths {
     ) -> Result<(), Failure> {
         let found = follow::judge(record, place, commands_m, self.seed, rules).map_err(refused)?;
         if self.json {
-            let row = FollowedRow {
+            let row = FollowedRthsRow {
                 controller: file.display().to_string(),
                 case: CASES[place].number,
                 record: &record.name,
