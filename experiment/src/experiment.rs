@@ -19,6 +19,25 @@ use plant::coupled::CoupledRigSpec;
 use std::f64::consts::TAU;
 
 /// A test and what shakes it.
+///
+/// ```
+/// use experiment::Experiment;
+/// use experiment::files::near_fault::near_fault;
+/// use experiment::files::test::TestFile;
+/// use std::path::Path;
+///
+/// let file = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+///             [excitation]\npeak_response_mm = 20\n\
+///             [plant.actuator]\nkind = 'delay'\ndelay_ms = 4\n";
+/// let test = TestFile::parse(file, "frame.toml", Path::new(""), &[])?;
+/// let method = test.config.compensation.kind;
+/// let experiment = Experiment::new(test, &near_fault(), Some(6.0))?;
+/// let ideal = experiment.ideal()?;
+/// // Seed 1; the trace is not kept, and nobody looks on.
+/// let run = experiment.run(method, &ideal, 1, false, ())?;
+/// assert!(run.summary.eps_rms < 0.05, "{}", run.summary.sentence());
+/// # Ok::<(), experiment::failure::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Experiment {
     /// What is tested.

@@ -2,6 +2,23 @@
 //!
 //! A zero byte stands only at the end of a frame, so a receiver that comes in late, or has lost bytes, is in step
 //! again at the next one.
+//!
+//! ```
+//! use link::{Decoder, Frame, FrameKind};
+//!
+//! let frame = Frame { kind: FrameKind::Telemetry, sequence: 7, body: &[1, 0, 2] };
+//! let wire = frame.encode().expect("short enough");
+//! let mut decoder = Decoder::new();
+//! // Noise, and what is left of a frame that began before anybody listened.
+//! for byte in [0x55, 0x13, 0] {
+//!     assert_eq!(decoder.push(byte), None);
+//! }
+//! let mut came = 0;
+//! for byte in wire {
+//!     came += usize::from(decoder.push(byte).is_some_and(|arrived| arrived == frame));
+//! }
+//! assert_eq!(came, 1);
+//! ```
 
 use crate::agreed::VERSION;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};

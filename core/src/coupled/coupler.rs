@@ -7,6 +7,16 @@
 use super::pair::Pair;
 
 /// Where the actuators hold the coupler, m from the interface point.
+///
+/// ```
+/// use outerloop_core::coupled::Coupler;
+///
+/// let coupler = Coupler { pin_x_m: [0.1, 0.1], pin_y_m: [-0.4, 0.4] };
+/// let strokes_m = coupler.strokes_m(0.010, 0.005);
+/// assert!((strokes_m[0] - 0.012).abs() < 1e-5 && (strokes_m[1] - 0.008).abs() < 1e-5);
+/// let [x_m, theta_rad] = coupler.interface(&strokes_m);
+/// assert!((x_m - 0.010).abs() < 1e-6 && (theta_rad - 0.005).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupler {

@@ -58,6 +58,16 @@ const fn yes() -> bool {
 
 impl EffectSpec {
     /// `effect` with these parameters, in the channel that they belong to, on all axes.
+    ///
+    /// ```
+    /// use plant::{Effect, RigSpec};
+    ///
+    /// let rig = RigSpec::default().with_effect(Effect::Backlash, &[("width_mm", 0.2)])?;
+    /// assert_eq!(rig.effects[0].parameter("width_mm"), Some(0.2));
+    /// let refused = RigSpec::default().with_effect(Effect::Backlash, &[("width_mm", -1.0)]);
+    /// assert!(refused.unwrap_err().to_string().contains("width_mm"));
+    /// # Ok::<(), plant::RigError>(())
+    /// ```
     pub fn new(effect: Effect, parameters: &[(&str, f64)]) -> Self {
         Self {
             name: effect,
