@@ -1,7 +1,7 @@
 //! The next target where no test of its own runs.
 
 use super::OuterLoop;
-use crate::float::larger;
+use crate::float::{larger, smaller};
 use crate::record::flag;
 use crate::rig::Rig;
 use crate::signal::SignalGenerator;
@@ -131,27 +131,35 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     }
 
     /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration, or at the larger one at which
-    /// it stands before the limit on displacement.
+    /// every actuator stands before its limit on displacement.
     fn slow_down(&mut self) -> [f32; N] {
-        let (step_m, limit_m) = (
-            self.design.deceleration_step_m,
-            BEFORE_LIMIT * self.design.limits.displacement_m,
-        );
-        let (at_m, velocity_m) = (self.signal.command_m(), self.signal.velocity_m());
+        let (at_m, velocity_m) = (*self.signal.command_m(), *self.signal.velocity_m());
+        let share = self.least_share(&at_m, &velocity_m);
+        let step_m = self.design.deceleration_step_m;
         let by = core::array::from_fn(|j| {
-            let (set, v) = (step_m * self.rig.per_metre(j), velocity_m[j]);
-            // The limit is on the actuators.
-            if !R::SAME_COORDINATES || j >= self.design.physical {
-                return set;
-            }
-            let room_m = limit_m - at_m[j] * 1.0_f32.copysign(v);
-            if room_m > 0.0 {
-                larger(set, v * v / (2.0 * room_m))
-            } else {
-                v.abs()
-            }
+            larger(step_m * self.rig.per_metre(j), share * velocity_m[j].abs())
         });
         self.signal.decelerate(by);
         *self.signal.command_m()
+    }
+
+    /// The share of its velocity that the motion has to lose in this step: v / 2s, with s what is left before the limit of the
+    /// worst actuator.
+    fn least_share(&self, at_m: &[f32; N], velocity_m: &[f32; N]) -> f32 {
+        let next_m = core::array::from_fn(|j| at_m[j] + velocity_m[j]);
+        let mut places = [[0.0; N]; 2];
+        let [here, there] = &mut places;
+        let (from_m, to_m) = (self.strokes_m(at_m, here), self.strokes_m(&next_m, there));
+        let limit_m = BEFORE_LIMIT * self.design.limits.displacement_m;
+        let strokes_m = from_m.iter().zip(to_m).take(self.design.physical);
+        let shares = strokes_m.map(|(from_m, to_m)| {
+            let step_m = to_m - from_m;
+            let left_m = limit_m - from_m * 1.0_f32.copysign(step_m);
+            match step_m != 0.0 && left_m <= 0.0 {
+                true => 1.0,
+                false => step_m.abs() / (2.0 * left_m),
+            }
+        });
+        smaller(shares.fold(0.0, larger), 1.0)
     }
 }
