@@ -16,7 +16,8 @@ use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits, flag,
+    Config, Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits,
+    flag,
 };
 
 fn done(reply: &Reply) -> u32 {
@@ -414,6 +415,30 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
         "{reply:?}"
     );
     assert_eq!(b.board.mode(), Mode::Idle);
+}
+
+/// What is there and can never act, by a slip of the unit for example, is none.
+#[test]
+fn a_limit_that_a_slip_of_the_unit_has_made_is_refused_by_its_name() {
+    type Slip = fn(&mut Config);
+    let slips: [(&str, Slip); 4] = [
+        ("limits.disagree_m", |c| c.limits.disagree_m = Some(1.0)),
+        ("limits.force_stands_m", |c| {
+            c.limits.force_stands_m = Some(2.0)
+        }),
+        ("limits.energy_trip", |c| c.limits.energy_trip = Some(300.0)),
+        ("loop.approach_m_per_s", |c| c.timing.approach_m_per_s = 2.0),
+    ];
+    let mut b = bench();
+    for (name, slip) in slips {
+        let mut wrong = config();
+        slip(&mut wrong);
+        let reply = b.ask(Command::Configure(wrong.into()));
+        assert!(
+            matches!(&reply, Reply::Refused(r) if r.name == name),
+            "{name}: {reply:?}"
+        );
+    }
 }
 
 // proves: obstacle.not_calibrated, command.calibrate
