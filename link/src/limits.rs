@@ -145,7 +145,8 @@ impl CalibratedRange {
             });
         }
         self.check_optional(config)?;
-        check_speed(config)
+        check_speed(config)?;
+        check_rig(config)
     }
 
     /// The largest `limits.tracking_m`, m, beside the other limits.
@@ -201,6 +202,32 @@ fn check_speed(config: &Config) -> Result<(), Refusal> {
         APPROACH_M_PER_S,
         "at most 0.25 m/s",
     )
+}
+
+/// What a test says of the rig beside the calibration is small: nothing sees a wrong figure before it has moved the piston.
+fn check_rig(config: &Config) -> Result<(), Refusal> {
+    let (rig, limits) = (&config.rig, &config.limits);
+    let force_n = limits.force_n.unwrap_or(0.0);
+    let rows = [
+        (
+            "rig.force_offset_n",
+            &rig.force_offset_n,
+            force_n,
+            "at most limits.force_n either way; a larger one belongs in the calibration (board calibrate)",
+        ),
+        (
+            "rig.bearing_friction_n",
+            &rig.bearing_friction_n,
+            force_n,
+            "at most limits.force_n",
+        ),
+    ];
+    for (name, list, most, accepted) in rows {
+        for &value in list {
+            within(name, value, most, accepted)?;
+        }
+    }
+    Ok(())
 }
 
 fn within(
@@ -321,8 +348,8 @@ mod tests {
 
     /// Rows: a name, the most that is accepted of it, and what is more.
     #[test]
-    fn what_could_never_act_is_refused_by_its_name() {
-        let rows: [(&str, Change, Change); 9] = [
+    fn what_could_never_act_or_lets_the_piston_jump_is_refused_by_its_name() {
+        let rows: [(&str, Change, Change); 11] = [
             // 2 % of the 85.35 mm that 3495 codes to either side show.
             (
                 "limits.disagree_m",
@@ -378,6 +405,16 @@ mod tests {
                 |c| c.timing.approach_m_per_s = 0.25,
                 |c| c.timing.approach_m_per_s = 0.26,
             ),
+            (
+                "rig.force_offset_n",
+                |c| c.rig.force_offset_n = only(-8000.0),
+                |c| c.rig.force_offset_n = only(-8001.0),
+            ),
+            (
+                "rig.bearing_friction_n",
+                |c| c.rig.bearing_friction_n = only(8000.0),
+                |c| c.rig.bearing_friction_n = only(8001.0),
+            ),
         ];
         let shown = CalibratedRange::by(&Calibration::nominal(&TWELVE_BITS), &TWELVE_BITS);
         let judged = |change: Change| {
@@ -392,6 +429,10 @@ mod tests {
             // A board says no more than so many characters.
             assert!(refusal.accepted.len() <= 120, "{}", refusal.accepted);
         }
+    }
+
+    fn only(value: f64) -> outerloop_core::config::PerActuator {
+        core::iter::once(value).collect()
     }
 
     #[test]
