@@ -37,6 +37,14 @@ pub const ENERGY_TRIP: f64 = 10.0;
 /// The fastest approach, m/s: the speed of a robot that a person may stand beside (ISO 10218-1, reduced speed).
 pub const APPROACH_M_PER_S: f64 = 0.25;
 
+/// The largest offset of a command or of a displacement that a test may declare beside the calibration, m. A wrong one makes the piston
+/// jump by as much when the contact behind PERMIT closes. What a calibration leaves, `outerloop improve` takes out: it is held to 2 mm, with
+/// the scatter of what it finds.
+pub const ZERO_OFF_M: f64 = 2.5e-3;
+
+/// The same of a gain, and its inverse: a wrong one makes the piston jump by its share of where it stands.
+pub const GAIN: f64 = 1.25;
+
 /// What a calibrated board shows, both ways from zero, with the spare codes left free; of several actuators, what all of
 /// them show.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -207,8 +215,17 @@ fn check_speed(config: &Config) -> Result<(), Refusal> {
 /// What a test says of the rig beside the calibration is small: nothing sees a wrong figure before it has moved the piston.
 fn check_rig(config: &Config) -> Result<(), Refusal> {
     let (rig, limits) = (&config.rig, &config.limits);
+    let off_m = ZERO_OFF_M.min(limits.tracking_m.unwrap_or(0.0));
     let force_n = limits.force_n.unwrap_or(0.0);
+    let off = "at most 2.5 mm either way, and limits.tracking_m; a larger one belongs in the calibration (board calibrate)";
     let rows = [
+        ("rig.command_offset_m", &rig.command_offset_m, off_m, off),
+        (
+            "rig.displacement_offset_m",
+            &rig.displacement_offset_m,
+            off_m,
+            off,
+        ),
         (
             "rig.force_offset_n",
             &rig.force_offset_n,
@@ -225,6 +242,19 @@ fn check_rig(config: &Config) -> Result<(), Refusal> {
     for (name, list, most, accepted) in rows {
         for &value in list {
             within(name, value, most, accepted)?;
+        }
+    }
+    for (name, list) in [
+        ("rig.command_gain", &rig.command_gain),
+        ("rig.displacement_gain", &rig.displacement_gain),
+    ] {
+        let mut wrong = list.iter().filter(|g| !(1.0 / GAIN..=GAIN).contains(*g));
+        if let Some(&value) = wrong.next() {
+            return Err(Refusal {
+                name,
+                value,
+                accepted: "0.8 to 1.25; a larger one belongs in the calibration (board calibrate)",
+            });
         }
     }
     Ok(())
@@ -349,7 +379,7 @@ mod tests {
     /// Rows: a name, the most that is accepted of it, and what is more.
     #[test]
     fn what_could_never_act_or_lets_the_piston_jump_is_refused_by_its_name() {
-        let rows: [(&str, Change, Change); 11] = [
+        let rows: [(&str, Change, Change); 17] = [
             // 2 % of the 85.35 mm that 3495 codes to either side show.
             (
                 "limits.disagree_m",
@@ -406,6 +436,35 @@ mod tests {
                 |c| c.timing.approach_m_per_s = 0.26,
             ),
             (
+                "rig.command_offset_m",
+                |c| c.rig.command_offset_m = only(-2.5e-3),
+                |c| c.rig.command_offset_m = only(-2.6e-3),
+            ),
+            (
+                "rig.displacement_offset_m",
+                |c| c.rig.displacement_offset_m = only(2.5e-3),
+                |c| c.rig.displacement_offset_m = only(3e-3),
+            ),
+            (
+                "rig.displacement_offset_m",
+                |c| {
+                    (c.limits.tracking_m, c.rig.displacement_offset_m) = (Some(1e-3), only(1e-3));
+                },
+                |c| {
+                    (c.limits.tracking_m, c.rig.displacement_offset_m) = (Some(1e-3), only(1.1e-3));
+                },
+            ),
+            (
+                "rig.command_gain",
+                |c| c.rig.command_gain = only(1.25),
+                |c| c.rig.command_gain = only(1.3),
+            ),
+            (
+                "rig.displacement_gain",
+                |c| c.rig.displacement_gain = only(0.8),
+                |c| c.rig.displacement_gain = only(0.7),
+            ),
+            (
                 "rig.force_offset_n",
                 |c| c.rig.force_offset_n = only(-8000.0),
                 |c| c.rig.force_offset_n = only(-8001.0),
@@ -414,6 +473,11 @@ mod tests {
                 "rig.bearing_friction_n",
                 |c| c.rig.bearing_friction_n = only(8000.0),
                 |c| c.rig.bearing_friction_n = only(8001.0),
+            ),
+            (
+                "rig.command_offset_m",
+                |_| (),
+                |c| c.rig.command_offset_m = only(f64::NAN),
             ),
         ];
         let shown = CalibratedRange::by(&Calibration::nominal(&TWELVE_BITS), &TWELVE_BITS);
@@ -429,6 +493,10 @@ mod tests {
             // A board says no more than so many characters.
             assert!(refusal.accepted.len() <= 120, "{}", refusal.accepted);
         }
+        let refusal = judged(|c| c.rig.displacement_offset_m = only(3e-3)).unwrap_err();
+        assert_eq!(refusal.value, 3e-3);
+        assert!(refusal.accepted.contains("2.5 mm"), "{refusal}");
+        assert!(refusal.accepted.contains("calibration"), "{refusal}");
     }
 
     fn only(value: f64) -> outerloop_core::config::PerActuator {

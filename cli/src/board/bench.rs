@@ -178,8 +178,7 @@ impl<P: Port> BoardBench<P> {
         if let Some(told) = observer.watches_the_loop() {
             in_force.watch(board, told)?;
         }
-        let compared = config.limits.disagree_m.is_some();
-        in_force.arm(board, identity, &self.operator, compared)?;
+        in_force.arm(board, identity, &self.operator, &config)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
         in_force.send(board, Event::Start)?;

@@ -19,7 +19,7 @@ use link::limits::CalibratedRange;
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use link::{Command, MAX_ACTUATORS};
-use outerloop_core::{Event, Fault, Mode, Record, Trip};
+use outerloop_core::{Config, Event, Fault, Mode, Record, Trip};
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
@@ -80,7 +80,7 @@ pub fn commission<P: Port>(
         identity,
         ticks: Ticks::new(),
     };
-    alone.arm(board, operator, config.limits.disagree_m.is_some())?;
+    alone.arm(board, operator, &config)?;
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.readings.stiffness_n_per_m();
@@ -119,7 +119,7 @@ impl SingleActuator {
         &mut self,
         board: &mut Connection<P>,
         operator: &Operator,
-        compared: bool,
+        config: &Config,
     ) -> Result<(), Failure> {
         interrupt::watch_rig();
         board.forget_steps();
@@ -135,7 +135,7 @@ impl SingleActuator {
         let mut asked = false;
         loop {
             if let Some(step) = &latest {
-                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, compared);
+                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, config);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }

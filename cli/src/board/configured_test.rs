@@ -19,7 +19,7 @@ use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_core::watch::Instructions;
-use outerloop_core::{DirectRig, Event, Fault, Mode, Record, Rig};
+use outerloop_core::{Config, DirectRig, Event, Fault, Mode, Record, Rig};
 
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
@@ -237,8 +237,8 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Some(record)
     }
 
-    /// Idle; the person's word that the rig stands where it is read, `compared` with a second displacement or not; arming, and the
-    /// way to the start position, which Ctrl-C ends.
+    /// Idle; the person's word that the rig stands where the test `config` takes it to be; arming, and the way to the start position,
+    /// which Ctrl-C ends.
     ///
     /// # Errors
     /// A person who gives it up; a board that does not arm, that trips on its way, or whose button has ended it.
@@ -247,7 +247,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         board: &mut Connection<P>,
         identity: &Identity,
         operator: &Operator,
-        compared: bool,
+        config: &Config,
     ) -> Result<(), Failure> {
         while self.steps < IDLE_STEPS {
             self.next(board)?;
@@ -255,7 +255,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         let mut asked = false;
         loop {
             if let Some((_, step)) = &self.latest {
-                let standing = Standing::of(identity, N, step, compared);
+                let standing = Standing::of(identity, N, step, config);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }

@@ -255,8 +255,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
         );
         mirror.take_targets(self.pace);
         let mut in_force = ConfiguredTest::new(board, mirror, since, &identity);
-        let compared = config.limits.disagree_m.is_some();
-        in_force.arm(board, &identity, &self.operator, compared)?;
+        in_force.arm(board, &identity, &self.operator, &config)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
         self.calibrated = identity.calibrations().copied().collect();

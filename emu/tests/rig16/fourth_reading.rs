@@ -151,6 +151,36 @@ fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is
     assert!((far_m - plan_m).abs() < 1e-4, "{far_m} m of {plan_m}");
 }
 
+/// A fifth reading: where the piston stands when the contact closes is worked out by what the test says of the rig, and a wrong figure
+/// is a jump. Nobody sees one of the command beforehand.
+#[test]
+fn a_command_that_is_declared_millimetres_off_is_refused() {
+    let mut desk = single(USUAL, None, 0, 0.0, &stated());
+    let mut test = config();
+    test.limits = stated();
+    test.limits.tracking_m = Some(0.01);
+    test.rig.command_offset_m = [3e-3].into_iter().collect();
+    let reply = desk.ask(Command::Configure(test.into()));
+    for _ in 0..300 {
+        desk.step();
+    }
+    // What would come of it.
+    desk.order(Command::Event(Event::Arm));
+    let stood = desk.log().position_m.len() - 1;
+    for _ in 0..200 {
+        desk.step();
+    }
+    let at_m = desk.log().position_m;
+    let far = at_m[stood..].iter().map(|m| (m - at_m[stood]).abs());
+    let far_m = far.fold(0.0, f64::max);
+    println!("declared off: {:.2} mm, {reply:?}", far_m * 1e3);
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "rig.command_offset_m" && r.value == 3e-3),
+        "{reply:?}"
+    );
+    assert!(far_m <= BEYOND_M, "{far_m} m");
+}
+
 /// BUSY falls after the frame was read: what was read is the conversion before.
 #[test]
 fn a_conversion_that_ends_after_its_frame_was_read_is_no_sample() {

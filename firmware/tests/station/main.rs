@@ -419,15 +419,21 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
 
 /// What is there and can never act, by a slip of the unit for example, is none.
 #[test]
-fn a_limit_that_a_slip_of_the_unit_has_made_is_refused_by_its_name() {
+fn a_limit_or_a_correction_that_a_slip_of_the_unit_has_made_is_refused_by_its_name() {
     type Slip = fn(&mut Config);
-    let slips: [(&str, Slip); 4] = [
+    let slips: [(&str, Slip); 6] = [
         ("limits.disagree_m", |c| c.limits.disagree_m = Some(1.0)),
         ("limits.force_stands_m", |c| {
             c.limits.force_stands_m = Some(2.0)
         }),
         ("limits.energy_trip", |c| c.limits.energy_trip = Some(300.0)),
         ("loop.approach_m_per_s", |c| c.timing.approach_m_per_s = 2.0),
+        ("rig.command_offset_m", |c| {
+            c.rig.command_offset_m = [3e-3].into_iter().collect()
+        }),
+        ("rig.displacement_offset_m", |c| {
+            c.rig.displacement_offset_m = [-3e-3].into_iter().collect()
+        }),
     ];
     let mut b = bench();
     for (name, slip) in slips {
