@@ -203,12 +203,19 @@ impl SingleActuator {
                     return Err(why);
                 }
             }
-            let step = self.step(board)?;
-            if step.is_some_and(|(_, s)| s.mode() == Some(Mode::Tripped)) {
-                return Err(Failure::test(format!(
-                    "the board tripped before the start: {}",
-                    self.reason(status(board)?.trip)
-                )));
+            match self.step(board)?.and_then(|(_, step)| step.mode()) {
+                Some(Mode::Idle) => {
+                    return Err(Failure::test(
+                        "the signal was ended before its start by the board's button, and the board is idle",
+                    ));
+                }
+                Some(Mode::Tripped) => {
+                    return Err(Failure::test(format!(
+                        "the board tripped before the start: {}",
+                        self.reason(status(board)?.trip)
+                    )));
+                }
+                _ => {}
             }
         }
     }

@@ -345,6 +345,11 @@ impl Service {
                 f64::from(n),
                 "what half of limits.force_stands_m makes; `board calibrate --zero force=0`, or rig.force_offset_n is not this cell's",
             )),
+            RefusedOrder::Held => Reply::Refused(RefusedParameter::new(
+                "the hold button",
+                f64::NAN,
+                "one that is not pressed, before anything is armed, is started or goes on",
+            )),
             RefusedOrder::NotIdle(order) => {
                 match order {
                     Some(Order::Exchange(setup)) => self.spare = Some(setup),

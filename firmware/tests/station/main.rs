@@ -501,11 +501,6 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
 fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     let mut b = bench();
     b.ready(config(), &pulse());
-    b.hardware.broken.hold_pressed = true;
-    b.step();
-    assert_eq!(b.mode(), Mode::Armed, "there is nothing to hold yet");
-    b.hardware.broken.hold_pressed = false;
-    b.step();
     done(&b.event(Event::Start));
     for _ in 0..100 {
         b.step();
@@ -513,11 +508,46 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     b.hardware.broken.hold_pressed = true;
     b.step();
     assert_eq!(b.mode(), Mode::Holding);
+    is_held(&b.event(Event::Start));
+    b.step();
+    assert_eq!(b.mode(), Mode::Holding);
+    b.hardware.broken.hold_pressed = false;
+    b.step();
     done(&b.event(Event::Start));
     for _ in 0..20 {
         b.step();
-        assert_ne!(b.mode(), Mode::Holding, "the button has not come up");
+        assert_ne!(b.mode(), Mode::Holding);
     }
+}
+
+fn is_held(reply: &Reply) {
+    assert!(
+        matches!(reply, Reply::Refused(r) if r.name == "the hold button"),
+        "{reply:?}"
+    );
+}
+
+/// Whoever presses it has something against a motion, also against one that has not begun.
+#[test]
+fn the_button_ends_what_is_armed_and_nothing_is_armed_or_started_while_it_is_pressed() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    assert!(b.permit());
+    b.hardware.broken.hold_pressed = true;
+    b.step();
+    b.step();
+    assert_eq!((b.mode(), b.permit()), (Mode::Idle, false));
+    b.settle();
+    is_held(&b.event(Event::Arm));
+    b.hardware.broken.hold_pressed = false;
+    b.step();
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    // It goes down in the step in whose end the order is taken.
+    b.hardware.broken.hold_pressed = true;
+    is_held(&b.event(Event::Start));
+    b.until(Mode::Idle);
+    assert!(!b.permit());
 }
 
 // proves: fault.permit_chain, obstacle.fault by chain
