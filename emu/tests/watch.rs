@@ -146,7 +146,11 @@ fn a_transducer_whose_gain_changes_under_an_adaptive_compensation_is_named_and_w
 fn a_transducer_that_stands_with_its_noise_stops_the_test() {
     let stands = "[[plant.effects]]\nsensor = 'displacement'\nfrozen = true\nfrom_s = 8\n";
     // The limits that are worked out are sooner, in a motion as large as this one; these are wide.
-    let wide = ["limits.stale_steps=500", "limits.tracking_m=0.05"];
+    let wide = [
+        "limits.stale_steps=500",
+        "limits.displacement_m=0.05",
+        "limits.tracking_m=0.05",
+    ];
     let run = run(stands, &wide);
     assert_eq!(run.summary.verdict, TestVerdict::Tripped);
     let board = run.summary.board.as_ref().unwrap();

@@ -5,7 +5,7 @@
 //! figures of [`CalibratedRange`] in its sentence.
 
 use crate::channel::{Calibration, CodeRange};
-use outerloop_core::{Config, Refusal};
+use outerloop_core::{Config, Refusal, config::Limits};
 
 /// Codes of the displacement that a motion has to pass before a standing reading counts as frozen, at least: coarser
 /// than the converter's own steps and their noise.
@@ -16,6 +16,34 @@ pub const STALE_S: f64 = 0.25;
 
 /// The largest change of the command in a control step, as a share of the stroke that is shown. More is no limit.
 pub const STEP_SHARE: f64 = 0.25;
+
+/// Two transducers of one displacement are compared to this share of the calibrated range, end to end, at most: linearity and drift of
+/// both leave less, and the jump of a piston at arming may be as large.
+pub const DISAGREE_SHARE: f64 = 0.02;
+
+/// A standing reading may hide this share of the stroke, at most, or so many standard deviations of its declared noise: a dead transducer's
+/// noise then stays within three eighths of that, six deviations.
+pub const FROZEN_SHARE: f64 = 0.05;
+/// See [`FROZEN_SHARE`].
+pub const FROZEN_DEVIATIONS: f64 = 16.0;
+
+/// Where a test moves by less, `limits.tracking_m` may be this share of the stroke: a signal of some millimetres is further from an
+/// actuator that is late than it is large.
+pub const TRACKING_SHARE: f64 = 0.25;
+
+/// The largest energy error, relative to the energy in the test: 3 is sound, and more than 10 is no limit.
+pub const ENERGY_TRIP: f64 = 10.0;
+
+/// The fastest approach, m/s: the speed of a robot that a person may stand beside (ISO 10218-1, reduced speed).
+pub const APPROACH_M_PER_S: f64 = 0.25;
+
+/// The largest offset of a command or of a displacement that a test may declare beside the calibration, m. A wrong one makes the piston
+/// jump by as much when the contact behind PERMIT closes. What a calibration leaves, `outerloop improve` takes out: it is held to 2 mm, with
+/// the scatter of what it finds.
+pub const ZERO_OFF_M: f64 = 2.5e-3;
+
+/// The same of a gain, and its inverse: a wrong one makes the piston jump by its share of where it stands.
+pub const GAIN: f64 = 1.25;
 
 /// What a calibrated board shows, both ways from zero, with the spare codes left free; of several actuators, what all of
 /// them show.
@@ -88,8 +116,8 @@ impl CalibratedRange {
         at_most(
             "limits.tracking_m",
             limits.tracking_m,
-            stroke_m,
-            "a limit inside what the calibrated sensor shows, less the spare codes at the ends",
+            self.most_tracking_m(limits),
+            "at most limits.displacement_m, or a quarter of the calibrated stroke, whichever is more",
         )?;
         if limits.increment_m.is_none() || limits.velocity_m_per_s.is_some() {
             at_most(
@@ -115,14 +143,136 @@ impl CalibratedRange {
         )?;
         let hidden_m = limits.hidden_motion_m();
         // The calibration is in single precision, and a PC sends its own figure back.
-        if !(hidden_m >= self.frozen_m * (1.0 - 1e-6) && hidden_m <= stroke_m) {
+        let noisy_m = FROZEN_DEVIATIONS * config.estimation.displacement_noise_m * (1.0 + 1e-6);
+        let most_m = noisy_m.max(FROZEN_SHARE * stroke_m).min(stroke_m);
+        if !(hidden_m >= self.frozen_m * (1.0 - 1e-6) && hidden_m <= most_m) {
             return Err(Refusal {
                 name: "limits.frozen_m",
                 value: hidden_m,
-                accepted: "at least 8 codes of the displacement (0.1 mm where it is left out), at most the stroke",
+                accepted: "8 codes of the displacement at least (left out: 0.1 mm), 1/20 of the stroke or 16 deviations of its noise at most",
             });
         }
-        Ok(())
+        self.check_optional(config)?;
+        check_speed(config)?;
+        check_rig(config)
+    }
+
+    /// The largest `limits.tracking_m`, m, beside the other limits.
+    pub fn most_tracking_m(&self, limits: &Limits) -> f64 {
+        let moves_m = limits.displacement_m.unwrap_or(0.0);
+        moves_m.max(TRACKING_SHARE * self.displacement_m)
+    }
+
+    /// Limits that may be left out have to be able to act where they are there.
+    fn check_optional(&self, config: &Config) -> Result<(), Refusal> {
+        let limits = &config.limits;
+        let moves_m = limits.displacement_m.unwrap_or(0.0);
+        let stiffness = config.structure.stiffness_n_per_m.iter();
+        let stiffest = stiffness.fold(0.0_f64, |most, k| most.max(*k));
+        let optional = [
+            (
+                "limits.disagree_m",
+                limits.disagree_m,
+                DISAGREE_SHARE * 2.0 * self.displacement_m,
+                "at most 2 % of the displacement's calibrated range, from end to end",
+            ),
+            (
+                "limits.force_stands_m",
+                limits.force_stands_m,
+                moves_m,
+                "at most limits.displacement_m: a longer motion never comes",
+            ),
+            (
+                "limits.energy_trip",
+                limits.energy_trip,
+                ENERGY_TRIP,
+                "at most 10: 3 is sound",
+            ),
+            (
+                "limits.energy_floor_j",
+                limits.energy_floor_j,
+                0.5 * stiffest * moves_m * moves_m,
+                "at most the strain energy of the stiffest storey at limits.displacement_m",
+            ),
+        ];
+        optional
+            .into_iter()
+            .filter(|(_, limit, _, _)| limit.is_some())
+            .try_for_each(|(name, limit, most, accepted)| at_most(name, limit, most, accepted))
+    }
+}
+
+/// The approach goes at a speed at which a person gets away.
+fn check_speed(config: &Config) -> Result<(), Refusal> {
+    within(
+        "loop.approach_m_per_s",
+        config.timing.approach_m_per_s,
+        APPROACH_M_PER_S,
+        "at most 0.25 m/s",
+    )
+}
+
+/// What a test says of the rig beside the calibration is small: nothing sees a wrong figure before it has moved the piston.
+fn check_rig(config: &Config) -> Result<(), Refusal> {
+    let (rig, limits) = (&config.rig, &config.limits);
+    let off_m = ZERO_OFF_M.min(limits.tracking_m.unwrap_or(0.0));
+    let force_n = limits.force_n.unwrap_or(0.0);
+    let off = "at most 2.5 mm either way, and limits.tracking_m; a larger one belongs in the calibration (board calibrate)";
+    let rows = [
+        ("rig.command_offset_m", &rig.command_offset_m, off_m, off),
+        (
+            "rig.displacement_offset_m",
+            &rig.displacement_offset_m,
+            off_m,
+            off,
+        ),
+        (
+            "rig.force_offset_n",
+            &rig.force_offset_n,
+            force_n,
+            "at most limits.force_n either way; a larger one belongs in the calibration (board calibrate)",
+        ),
+        (
+            "rig.bearing_friction_n",
+            &rig.bearing_friction_n,
+            force_n,
+            "at most limits.force_n",
+        ),
+    ];
+    for (name, list, most, accepted) in rows {
+        for &value in list {
+            within(name, value, most, accepted)?;
+        }
+    }
+    for (name, list) in [
+        ("rig.command_gain", &rig.command_gain),
+        ("rig.displacement_gain", &rig.displacement_gain),
+    ] {
+        let mut wrong = list.iter().filter(|g| !(1.0 / GAIN..=GAIN).contains(*g));
+        if let Some(&value) = wrong.next() {
+            return Err(Refusal {
+                name,
+                value,
+                accepted: "0.8 to 1.25; a larger one belongs in the calibration (board calibrate)",
+            });
+        }
+    }
+    Ok(())
+}
+
+fn within(
+    name: &'static str,
+    value: f64,
+    most: f64,
+    accepted: &'static str,
+) -> Result<(), Refusal> {
+    match value.abs() <= most {
+        true => Ok(()),
+        false => Err(Refusal {
+            name,
+            value,
+            accepted,
+        }),
     }
 }
 
@@ -146,7 +296,6 @@ fn at_most(
 mod tests {
     use super::*;
     use crate::channel::TWELVE_BITS;
-    use outerloop_core::config::Limits;
 
     fn limited() -> Config {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
@@ -223,6 +372,135 @@ mod tests {
             refused(|l| l.frozen_m = Some(0.05)),
             Some("limits.frozen_m")
         );
+    }
+
+    type Change = fn(&mut Config);
+
+    /// Rows: a name, the most that is accepted of it, and what is more.
+    #[test]
+    fn what_could_never_act_or_lets_the_piston_jump_is_refused_by_its_name() {
+        let rows: [(&str, Change, Change); 17] = [
+            // 2 % of the 85.35 mm that 3495 codes to either side show.
+            (
+                "limits.disagree_m",
+                |c| c.limits.disagree_m = Some(1.7e-3),
+                |c| c.limits.disagree_m = Some(1.72e-3),
+            ),
+            (
+                "limits.force_stands_m",
+                |c| c.limits.force_stands_m = Some(0.04),
+                |c| c.limits.force_stands_m = Some(0.041),
+            ),
+            (
+                "limits.energy_trip",
+                |c| c.limits.energy_trip = Some(10.0),
+                |c| c.limits.energy_trip = Some(10.1),
+            ),
+            // 126.4 J of 158 kN/m at 40 mm.
+            (
+                "limits.energy_floor_j",
+                |c| c.limits.energy_floor_j = Some(126.0),
+                |c| c.limits.energy_floor_j = Some(127.0),
+            ),
+            (
+                "limits.tracking_m",
+                |c| c.limits.tracking_m = Some(0.04),
+                |c| c.limits.tracking_m = Some(0.041),
+            ),
+            // Of a motion of 1 mm a quarter of the stroke: an actuator that is late is apart from its command by more than that.
+            (
+                "limits.tracking_m",
+                |c| (c.limits.displacement_m, c.limits.tracking_m) = (Some(1e-3), Some(0.0106)),
+                |c| (c.limits.displacement_m, c.limits.tracking_m) = (Some(1e-3), Some(0.0107)),
+            ),
+            (
+                "limits.frozen_m",
+                |c| c.limits.frozen_m = Some(2.1e-3),
+                |c| c.limits.frozen_m = Some(2.2e-3),
+            ),
+            // The noise of the paper's steel frame.
+            (
+                "limits.frozen_m",
+                |c| {
+                    c.limits.frozen_m = Some(0.0133);
+                    c.estimation.displacement_noise_m = 0.833e-3;
+                },
+                |c| {
+                    c.limits.frozen_m = Some(0.0134);
+                    c.estimation.displacement_noise_m = 0.833e-3;
+                },
+            ),
+            (
+                "loop.approach_m_per_s",
+                |c| c.timing.approach_m_per_s = 0.25,
+                |c| c.timing.approach_m_per_s = 0.26,
+            ),
+            (
+                "rig.command_offset_m",
+                |c| c.rig.command_offset_m = only(-2.5e-3),
+                |c| c.rig.command_offset_m = only(-2.6e-3),
+            ),
+            (
+                "rig.displacement_offset_m",
+                |c| c.rig.displacement_offset_m = only(2.5e-3),
+                |c| c.rig.displacement_offset_m = only(3e-3),
+            ),
+            (
+                "rig.displacement_offset_m",
+                |c| {
+                    (c.limits.tracking_m, c.rig.displacement_offset_m) = (Some(1e-3), only(1e-3));
+                },
+                |c| {
+                    (c.limits.tracking_m, c.rig.displacement_offset_m) = (Some(1e-3), only(1.1e-3));
+                },
+            ),
+            (
+                "rig.command_gain",
+                |c| c.rig.command_gain = only(1.25),
+                |c| c.rig.command_gain = only(1.3),
+            ),
+            (
+                "rig.displacement_gain",
+                |c| c.rig.displacement_gain = only(0.8),
+                |c| c.rig.displacement_gain = only(0.7),
+            ),
+            (
+                "rig.force_offset_n",
+                |c| c.rig.force_offset_n = only(-8000.0),
+                |c| c.rig.force_offset_n = only(-8001.0),
+            ),
+            (
+                "rig.bearing_friction_n",
+                |c| c.rig.bearing_friction_n = only(8000.0),
+                |c| c.rig.bearing_friction_n = only(8001.0),
+            ),
+            (
+                "rig.command_offset_m",
+                |_| (),
+                |c| c.rig.command_offset_m = only(f64::NAN),
+            ),
+        ];
+        let shown = CalibratedRange::by(&Calibration::nominal(&TWELVE_BITS), &TWELVE_BITS);
+        let judged = |change: Change| {
+            let mut config = limited();
+            change(&mut config);
+            shown.check(&config)
+        };
+        for (name, most, more) in rows {
+            assert_eq!(judged(most), Ok(()), "{name}");
+            let refusal = judged(more).expect_err(name);
+            assert_eq!(refusal.name, name);
+            // A board says no more than so many characters.
+            assert!(refusal.accepted.len() <= 120, "{}", refusal.accepted);
+        }
+        let refusal = judged(|c| c.rig.displacement_offset_m = only(3e-3)).unwrap_err();
+        assert_eq!(refusal.value, 3e-3);
+        assert!(refusal.accepted.contains("2.5 mm"), "{refusal}");
+        assert!(refusal.accepted.contains("calibration"), "{refusal}");
+    }
+
+    fn only(value: f64) -> outerloop_core::config::PerActuator {
+        core::iter::once(value).collect()
     }
 
     #[test]

@@ -178,11 +178,10 @@ impl<P: Port> BoardBench<P> {
         if let Some(told) = observer.watches_the_loop() {
             in_force.watch(board, told)?;
         }
-        let compared = config.limits.disagree_m.is_some();
-        in_force.arm(board, identity, &self.operator, compared)?;
+        in_force.arm(board, identity, &self.operator, &config)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
-        in_force.send(board, Event::Start)?;
+        in_force.start(board)?;
         let running = Test {
             board,
             in_force,
@@ -376,7 +375,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             return Ok(());
         }
         match self.operator.agrees() {
-            Ok(true) => self.in_force.ask_for(self.board, Event::Start)?,
+            Ok(true) => self.in_force.go_on(self.board, self.operator)?,
             Ok(false) => {}
             Err(gone) => {
                 eprintln!("outerloop: {gone}");

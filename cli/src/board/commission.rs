@@ -19,7 +19,7 @@ use link::limits::CalibratedRange;
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use link::{Command, MAX_ACTUATORS};
-use outerloop_core::{Event, Fault, Mode, Record, Trip};
+use outerloop_core::{Config, Event, Fault, Mode, Record, Trip};
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
@@ -60,7 +60,10 @@ pub fn commission<P: Port>(
     }
     let plan = PlannedMotion::of_trajectory(test, trajectory, actuator);
     let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
-    let (identity, config) = ready(board, (&test.config, Hold::Storeys), &plan, wanted)?;
+    // A signal takes no force, and may move by less than this limit of a test.
+    let mut config = test.config.clone();
+    config.limits.force_stands_m = None;
+    let (identity, config) = ready(board, (&config, Hold::Storeys), &plan, wanted)?;
     done(
         board,
         "configure",
@@ -77,7 +80,7 @@ pub fn commission<P: Port>(
         identity,
         ticks: Ticks::new(),
     };
-    alone.arm(board, operator, config.limits.disagree_m.is_some())?;
+    alone.arm(board, operator, &config)?;
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.readings.stiffness_n_per_m();
@@ -116,7 +119,7 @@ impl SingleActuator {
         &mut self,
         board: &mut Connection<P>,
         operator: &Operator,
-        compared: bool,
+        config: &Config,
     ) -> Result<(), Failure> {
         interrupt::watch_rig();
         board.forget_steps();
@@ -132,7 +135,7 @@ impl SingleActuator {
         let mut asked = false;
         loop {
             if let Some(step) = &latest {
-                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, compared);
+                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, config);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }
@@ -200,12 +203,19 @@ impl SingleActuator {
                     return Err(why);
                 }
             }
-            let step = self.step(board)?;
-            if step.is_some_and(|(_, s)| s.mode() == Some(Mode::Tripped)) {
-                return Err(Failure::test(format!(
-                    "the board tripped before the start: {}",
-                    self.reason(status(board)?.trip)
-                )));
+            match self.step(board)?.and_then(|(_, step)| step.mode()) {
+                Some(Mode::Idle) => {
+                    return Err(Failure::test(
+                        "the signal was ended before its start by the board's button, and the board is idle",
+                    ));
+                }
+                Some(Mode::Tripped) => {
+                    return Err(Failure::test(format!(
+                        "the board tripped before the start: {}",
+                        self.reason(status(board)?.trip)
+                    )));
+                }
+                _ => {}
             }
         }
     }

@@ -19,7 +19,7 @@ use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_core::watch::Instructions;
-use outerloop_core::{DirectRig, Event, Fault, Mode, Record, Rig};
+use outerloop_core::{Config, DirectRig, Event, Fault, Mode, Record, Rig};
 
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
@@ -237,8 +237,8 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Some(record)
     }
 
-    /// Idle; the person's word that the rig stands where it is read, `compared` with a second displacement or not; arming, and the
-    /// way to the start position, which Ctrl-C ends.
+    /// Idle; the person's word that the rig stands where the test `config` takes it to be; arming, and the way to the start position,
+    /// which Ctrl-C ends.
     ///
     /// # Errors
     /// A person who gives it up; a board that does not arm, that trips on its way, or whose button has ended it.
@@ -247,7 +247,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         board: &mut Connection<P>,
         identity: &Identity,
         operator: &Operator,
-        compared: bool,
+        config: &Config,
     ) -> Result<(), Failure> {
         while self.steps < IDLE_STEPS {
             self.next(board)?;
@@ -255,7 +255,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         let mut asked = false;
         loop {
             if let Some((_, step)) = &self.latest {
-                let standing = Standing::of(identity, N, step, compared);
+                let standing = Standing::of(identity, N, step, config);
                 if !std::mem::replace(&mut asked, true) {
                     operator.ask(&standing.question());
                 }
@@ -327,6 +327,11 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
                 }
             }
             self.next(board)?;
+            if self.mode == Mode::Idle {
+                return Err(Failure::test(
+                    "the test was ended before its start by the board's button, and the board is idle",
+                ));
+            }
             if self.mode == Mode::Tripped {
                 let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
                 return Err(Failure::test(format!(
@@ -334,6 +339,39 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
                 )));
             }
         }
+    }
+
+    /// Starts what stands armed. Where the board refuses that, nothing stays armed.
+    ///
+    /// # Errors
+    /// As [`ConfiguredTest::send`].
+    pub fn start<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        let started = self.send(board, Event::Start);
+        if started.is_err() {
+            self.ask_for(board, Event::Stop)?;
+            self.until_still(board)?;
+        }
+        started
+    }
+
+    /// Goes on after a hold. A board whose button is still pressed does not, and the person is asked again.
+    ///
+    /// # Errors
+    /// As [`ConfiguredTest::ask_for`].
+    pub fn go_on<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        operator: &Operator,
+    ) -> Result<(), Failure> {
+        let Err(refused) = self.ask_for(board, Event::Start) else {
+            return Ok(());
+        };
+        if status(board)?.mode != Mode::Holding {
+            return Err(refused);
+        }
+        eprintln!("outerloop: {refused}");
+        operator.ask_to_go_on();
+        Ok(())
     }
 
     /// From the end of a test until every command stands: the deceleration ramp is over, and permission may go. A finished board is

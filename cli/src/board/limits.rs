@@ -5,7 +5,7 @@
 //! | `displacement_m` | 1.5 times the largest displacement of the ideal test, of any actuator, and 7 standard deviations of the reading's noise |
 //! | `velocity_m_per_s` | 3 times its largest velocity in the laboratory, at least twice that of the approach |
 //! | `force_n` | 1.5 times the largest force of the elastic storeys on an actuator, and 7 standard deviations of the noise |
-//! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
+//! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations; at most what a board takes |
 //! | `stale_steps` | the declared delay and 20 ms |
 //! | `frozen_m` | 8 codes of the board's displacement, or 16 standard deviations of its noise |
 //! | `energy_trip` | 3: no sound test of `check-surveys monitor` (in `host-tests`) comes to it |
@@ -18,7 +18,7 @@ use experiment::Experiment;
 use experiment::files::test::TestFile;
 use experiment::rig;
 use experiment::trace::Response;
-use link::limits::CalibratedRange;
+use link::limits::{CalibratedRange, FROZEN_DEVIATIONS};
 use outerloop_core::config::Limits;
 
 /// Over the ideal test's largest displacement and force.
@@ -27,9 +27,6 @@ const MARGIN: f64 = 1.5;
 const VELOCITY_MARGIN: f64 = 3.0;
 /// Standard deviations of noise that are no fault.
 const DEVIATIONS: f64 = 7.0;
-/// Standard deviations of the displacement that a frozen reading may hide: a dead transducer's noise then stays within three
-/// eighths of it, six deviations.
-const FROZEN_DEVIATIONS: f64 = 16.0;
 /// Of the planned motion: a force that stands at zero for longer is none.
 const FORCE_STANDS: f64 = 0.25;
 /// Of the energy in a test: the threshold of `check-surveys monitor`.
@@ -140,6 +137,10 @@ impl PlannedMotion {
         let mut limits = self.without_board(stated);
         let noisy_m = FROZEN_DEVIATIONS * self.noise_m;
         limits.frozen_m = stated.frozen_m.or(Some(shown.frozen_m.max(noisy_m)));
+        if stated.tracking_m.is_none() {
+            let most_m = shown.most_tracking_m(&limits);
+            limits.tracking_m = limits.tracking_m.map(|m| m.min(most_m));
+        }
         limits
     }
 

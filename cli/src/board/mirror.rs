@@ -206,7 +206,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
             (Some(Mode::Holding), Mode::Running | Mode::Resuming | Mode::Returning) => {
                 Some(Event::Hold)
             }
-            (Some(Mode::Idle), Mode::Approaching) => Some(Event::Stop),
+            (Some(Mode::Idle), Mode::Approaching | Mode::Armed) => Some(Event::Stop),
             _ => None,
         };
         if let Some(event) = own {

@@ -162,7 +162,7 @@ fn refused(what: &str, reply: Reply) -> Failure {
                 fault.name()
             ),
             Obstacle::NotCalibrated => format!(
-                "{what}: nobody has calibrated the board: accepted is one with a calibration, see `outerloop board calibrate --help`"
+                "{what}: nobody has calibrated the board, or what was saved last is damaged: accepted is one with a calibration, see `outerloop board calibrate --help`"
             ),
             Obstacle::NotConfigured => {
                 format!(

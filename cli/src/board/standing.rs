@@ -4,6 +4,7 @@
 use experiment::failure::Failure;
 use link::reply::Identity;
 use link::telemetry::StepReport;
+use outerloop_core::Config;
 use std::str::FromStr;
 
 /// So far may lie between what a person reads off a scale and what the board reads, mm.
@@ -37,30 +38,41 @@ impl FromStr for PistonsAt {
     }
 }
 
-/// What a board reads of its pistons.
+/// Where a test takes its pistons to stand: what the board reads, by what the test says of the rig.
 #[derive(Clone, Debug)]
 pub struct Standing {
-    /// Displacement, mm, and force, kN, from actuator 1 on.
-    read: Vec<[f64; 2]>,
+    /// Displacement, mm, and force, kN, from actuator 1 on, as the loop takes them.
+    taken: Vec<[f64; 2]>,
     /// A second transducer is compared with that of every actuator.
     pub seen_twice: bool,
 }
 
 impl Standing {
-    /// In the step `step` of the board `identity`, of the actuators of a test with so many coordinates; `compared`: it has a
-    /// second displacement compared, which is that of actuator 1.
-    pub fn of(identity: &Identity, coordinates: usize, step: &StepReport, compared: bool) -> Self {
+    /// In the step `step` of the board `identity`, of the actuators of a test with so many coordinates. A second displacement, which is
+    /// that of actuator 1, is compared where the test has a limit for that.
+    pub fn of(identity: &Identity, coordinates: usize, step: &StepReport, config: &Config) -> Self {
         let each = identity.calibrations().enumerate().take(coordinates);
         let read = each.filter_map(|(actuator, lines)| {
             let [displacement, force] = step.codes(actuator)?;
             Some([
-                f64::from(lines.displacement.quantity(displacement)) * 1e3,
-                f64::from(lines.force.quantity(force)) * 1e-3,
+                f64::from(lines.displacement.quantity(displacement)),
+                f64::from(lines.force.quantity(force)),
             ])
         });
+        Self::by(read, config, identity.actuators() == 1)
+    }
+
+    /// Of displacements, m, and forces, N, as they are read, of one actuator that is `alone` or of several.
+    fn by(read: impl Iterator<Item = [f64; 2]>, config: &Config, alone: bool) -> Self {
+        let taken = read.enumerate().map(|(actuator, [m, n])| {
+            [
+                config.rig.displacement_m(actuator, m) * 1e3,
+                config.rig.force_n(actuator, n) * 1e-3,
+            ]
+        });
         Self {
-            read: read.collect(),
-            seen_twice: compared && identity.actuators() == 1,
+            taken: taken.collect(),
+            seen_twice: config.limits.disagree_m.is_some() && alone,
         }
     }
 
@@ -69,7 +81,7 @@ impl Standing {
     pub fn question(&self) -> String {
         if self.seen_twice {
             let read = self
-                .read
+                .taken
                 .iter()
                 .map(|[mm, kn]| format!("{mm:.2} mm with {kn:.2} kN"));
             return format!(
@@ -77,7 +89,7 @@ impl Standing {
                 read.collect::<Vec<_>>().join(", ")
             );
         }
-        let what = match self.read.len() {
+        let what = match self.taken.len() {
             1 => "where does the piston stand on its scale, mm".to_owned(),
             all => format!(
                 "where do the {all} pistons stand on their scales, mm, with commas between them"
@@ -96,20 +108,20 @@ impl Standing {
         let PistonsAt::Mm(said) = said else {
             return Ok(());
         };
-        if said.len() != self.read.len() {
+        if said.len() != self.taken.len() {
             return Err(Failure::input(format!(
                 "the positions of {} pistons were stated: accepted are {}, as many as the board has actuators; nothing has moved",
                 said.len(),
-                self.read.len()
+                self.taken.len()
             )));
         }
-        let each = said.iter().zip(&self.read).enumerate();
+        let each = said.iter().zip(&self.taken).enumerate();
         let mut off = each.filter(|(_, (said, [read, _]))| (*said - read).abs() > OFF_MM);
         match off.next() {
             None => Ok(()),
             Some((actuator, (said, [read, _]))) => Err(Failure::test(format!(
-                "the piston of actuator {} was said to stand at {said} mm, and the board reads {read:.2} mm: look at the transducer \
-                 and its calibration (accepted is {OFF_MM} mm of difference); nothing has moved",
+                "the piston of actuator {} was said to stand at {said} mm, and the board reads {read:.2} mm: look at the transducer, \
+                 its calibration and the test's [rig] (accepted is {OFF_MM} mm of difference); nothing has moved",
                 actuator + 1
             ))),
         }
@@ -123,7 +135,7 @@ mod tests {
     #[test]
     fn a_piston_has_to_stand_where_a_person_says() {
         let standing = Standing {
-            read: vec![[12.3, 0.0], [-4.0, 1.0]],
+            taken: vec![[12.3, 0.0], [-4.0, 1.0]],
             seen_twice: false,
         };
         let said = |text: &str| standing.compare(&text.parse().unwrap());
@@ -138,5 +150,17 @@ mod tests {
             assert!(PistonsAt::from_str(text).is_err(), "{text}");
         }
         assert!(!standing.question().contains("12.3"));
+    }
+
+    /// A piston that stands at 5 mm by its transducer, in a test that says of it that it reads 3 mm too much: the loop has it at 2 mm.
+    #[test]
+    fn a_person_is_compared_with_what_the_loop_believes() {
+        let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
+        config.rig.displacement_offset_m = [3e-3].into_iter().collect();
+        let standing = Standing::by([[5e-3, 0.0]].into_iter(), &config, true);
+        let said = |mm: &str| standing.compare(&mm.parse().unwrap());
+        assert!(said("2").is_ok());
+        let wrong = said("5").unwrap_err().to_string();
+        assert!(wrong.contains("2.0"), "{wrong}");
     }
 }

@@ -214,19 +214,28 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
 
     /// The board's own button has held the test: the person goes on.
     fn go_on(&mut self) -> Result<(), Stop> {
-        let Some(test) = &mut self.test else {
+        let Self {
+            board,
+            operator,
+            test: Some(test),
+            ..
+        } = self
+        else {
             return Ok(());
         };
         let holds = test.in_force.mode() == Mode::Holding;
         if holds && !std::mem::replace(&mut test.held, holds) {
-            self.operator.ask_to_go_on();
+            operator.ask_to_go_on();
         }
         test.held = holds;
-        if holds && self.operator.is_asked() {
-            let agreed = self.operator.agrees();
-            self.with(|board, test| match agreed? {
-                true => test.in_force.ask_for(board, Event::Start),
+        if holds && operator.is_asked() {
+            let went_on = operator.agrees().and_then(|agreed| match agreed {
+                true => test.in_force.go_on(board, operator),
                 false => Ok(()),
+            });
+            went_on.map_err(|e| {
+                test.lost = Some(e.to_string());
+                Stop::Lost(e.to_string())
             })?;
         }
         Ok(())
@@ -255,8 +264,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
         );
         mirror.take_targets(self.pace);
         let mut in_force = ConfiguredTest::new(board, mirror, since, &identity);
-        let compared = config.limits.disagree_m.is_some();
-        in_force.arm(board, &identity, &self.operator, compared)?;
+        in_force.arm(board, &identity, &self.operator, &config)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
         self.calibrated = identity.calibrations().copied().collect();
@@ -275,10 +283,13 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
         self.with(|board, test| {
             // The answer says what has become of it; a board that has tripped since takes it, and goes nowhere.
             test.in_force.aim(board, target_m)?;
-            if test.in_force.mode() == Mode::Armed {
-                test.in_force.send(board, Event::Start)?;
+            match test.in_force.mode() {
+                Mode::Armed => test.in_force.start(board),
+                Mode::Idle => Err(Failure::test(
+                    "the test was ended before its first target by the board's button, and the board is idle",
+                )),
+                _ => Ok(()),
             }
-            Ok(())
         })
     }
 

@@ -194,6 +194,9 @@ impl Calibrate {
         if self.save {
             board::save(board)?;
         }
+        if let Some(said) = self.not_kept() {
+            eprintln!("outerloop: note: {said}");
+        }
         let identity = board::identify(board)?;
         let calibration = identity.calibrations().nth(usize::from(actuator));
         let text = toml::to_string(&calibration)
@@ -215,6 +218,16 @@ impl Calibrate {
     }
 }
 
+impl Calibrate {
+    /// What a person has to know of a calibration that the next reset takes back.
+    fn not_kept(&self) -> Option<&'static str> {
+        let changed = self.file.is_some() || !self.zero.is_empty();
+        (changed && !self.save).then_some(
+            "the board goes by this until its next reset, and then by what was saved before: --save keeps it, and              board.calibration = \"NUMBER\" in a test refuses any other",
+        )
+    }
+}
+
 fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
     let text = std::fs::read_to_string(path).map_err(|e| {
         Failure::input(format!(
@@ -229,4 +242,25 @@ fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
             e.message()
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_calibration_that_the_next_reset_takes_back_is_said_to_be_one() {
+        let said = |zero: &[&str], file: bool, save| {
+            let calibrate = Calibrate {
+                port: String::new(),
+                actuator: 1,
+                file: file.then(PathBuf::new),
+                zero: zero.iter().map(|z| z.parse().unwrap()).collect(),
+                save,
+            };
+            calibrate.not_kept().is_some()
+        };
+        assert!(said(&["force=0"], false, false) && said(&[], true, false));
+        assert!(!said(&[], false, false) && !said(&["force=0"], true, true));
+    }
 }

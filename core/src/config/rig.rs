@@ -122,6 +122,18 @@ impl RigConfig {
         )
     }
 
+    /// The displacement that the loop takes an actuator, from 0, to have where `read_m` is read, m.
+    pub fn displacement_m(&self, actuator: usize, read_m: f64) -> f64 {
+        let offset_m = at(&self.displacement_offset_m, actuator, 0.0);
+        (read_m - offset_m) / at(&self.displacement_gain, actuator, 1.0)
+    }
+
+    /// The force that the loop takes of an actuator, from 0, where `read_n` is read, N; what the bearings' friction is of it stays in it.
+    pub fn force_n(&self, actuator: usize, read_n: f64) -> f64 {
+        let offset_n = at(&self.force_offset_n, actuator, 0.0);
+        (read_n - offset_n) / at(&self.force_gain, actuator, 1.0)
+    }
+
     /// True if a command has to be corrected for the actuator's gain or offset.
     pub(crate) fn moves_commands(&self) -> bool {
         !(self.command_gain.is_empty() && self.command_offset_m.is_empty())

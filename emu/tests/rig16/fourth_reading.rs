@@ -1,9 +1,10 @@
 //! What a fourth reading found beside the single faults: a port without its clock, a load cell that is not dead and tells no force, and
 //! an input converter that is late or does not come back.
 
-use crate::desk::{Bench, Desk, TABLE_1};
+use crate::desk::{Bench, Desk, TABLE_1, config};
 use crate::single_faults::{
-    BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, stated, worked_out,
+    BEYOND_M, PHASES, USUAL, beyond_in_a_test, each, met_in_a_test, run, single, single_of, stated,
+    worked_out,
 };
 use emu::InjectedFault::{
     self, ForceContact, ForceOffset, HummingForce, PortWithoutClock, ResetWithoutInput, SlowInput,
@@ -88,9 +89,13 @@ fn a_load_cell_that_is_dead_and_hums_trips_near_zero() {
     assert_eq!(wrong, [""; 0]);
 }
 
-/// How far a test goes that begins with a fault, m from where it stood when the person said go, and what was said to that.
-fn started_on(fault: InjectedFault) -> (f64, Reply) {
-    let mut desk = single(USUAL, Some(fault), 0, 0.0, &stated());
+/// How far a test goes that begins with a fault and a declared offset of its load cell, N, m from where it stood when the person said
+/// go, and what was said to that.
+fn started_on(fault: Option<InjectedFault>, declared_n: Option<f64>) -> (f64, Reply) {
+    let mut test = config();
+    test.limits = stated();
+    test.rig.force_offset_n = declared_n.into_iter().collect();
+    let mut desk = single_of(USUAL, fault, (0, 0.0), test);
     desk.order(Command::Event(Event::Arm));
     desk.until(Mode::Armed);
     while desk.step().command_m != 0.0 {}
@@ -112,7 +117,7 @@ fn started_on(fault: InjectedFault) -> (f64, Reply) {
 #[test]
 fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     for n in [1000, -1000] {
-        let (far_m, reply) = started_on(ForceOffset { n });
+        let (far_m, reply) = started_on(Some(ForceOffset { n }), None);
         println!("{n} N: {:.2} mm, {reply:?}", far_m * 1e3);
         assert!(far_m <= BEYOND_M, "{far_m} m");
         assert!(
@@ -120,8 +125,60 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
             "{reply:?}"
         );
     }
-    let (_, reply) = started_on(ForceOffset { n: 50 });
+    let (_, reply) = started_on(Some(ForceOffset { n: 50 }), None);
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+}
+
+/// A fifth reading: what is judged is the force that the loop integrates. An offset that stays in the test file when the cell has been
+/// zeroed moves the structure as one of the cell does, and one that is the cell's moves nothing.
+#[test]
+fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is_read() {
+    let (far_m, reply) = started_on(None, Some(1000.0));
+    println!("declared alone: {:.2} mm, {reply:?}", far_m * 1e3);
+    assert!(far_m <= BEYOND_M, "{far_m} m");
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "the force at the start, N" && r.value < -900.0),
+        "{reply:?}"
+    );
+    let (plan_m, _) = started_on(None, None);
+    let (far_m, reply) = started_on(Some(ForceOffset { n: 1000 }), Some(1000.0));
+    println!(
+        "declared and there: {:.2} mm of {:.2}, {reply:?}",
+        far_m * 1e3,
+        plan_m * 1e3
+    );
+    assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+    assert!((far_m - plan_m).abs() < 1e-4, "{far_m} m of {plan_m}");
+}
+
+/// A fifth reading: where the piston stands when the contact closes is worked out by what the test says of the rig, and a wrong figure
+/// is a jump. Nobody sees one of the command beforehand.
+#[test]
+fn a_command_that_is_declared_millimetres_off_is_refused() {
+    let mut desk = single(USUAL, None, 0, 0.0, &stated());
+    let mut test = config();
+    test.limits = stated();
+    test.limits.tracking_m = Some(0.01);
+    test.rig.command_offset_m = [3e-3].into_iter().collect();
+    let reply = desk.ask(Command::Configure(test.into()));
+    for _ in 0..300 {
+        desk.step();
+    }
+    // What would come of it.
+    desk.order(Command::Event(Event::Arm));
+    let stood = desk.log().position_m.len() - 1;
+    for _ in 0..200 {
+        desk.step();
+    }
+    let at_m = desk.log().position_m;
+    let far = at_m[stood..].iter().map(|m| (m - at_m[stood]).abs());
+    let far_m = far.fold(0.0, f64::max);
+    println!("declared off: {:.2} mm, {reply:?}", far_m * 1e3);
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "rig.command_offset_m" && r.value == 3e-3),
+        "{reply:?}"
+    );
+    assert!(far_m <= BEYOND_M, "{far_m} m");
 }
 
 /// BUSY falls after the frame was read: what was read is the conversion before.

@@ -13,7 +13,7 @@ use link::reply::{Obstacle, Reply};
 use link::{Calibration, Command};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_core::config::Limits;
-use outerloop_core::{Event, Fault, Mode};
+use outerloop_core::{Config, Event, Fault, Mode};
 
 /// Beyond the plan, m.
 pub const BEYOND_M: f64 = 2e-3;
@@ -176,6 +176,20 @@ pub fn single(
     sinks_m_per_s: f64,
     limits: &Limits,
 ) -> Desk {
+    let limited = Config {
+        limits: limits.clone(),
+        ..config()
+    };
+    single_of(actuator, fault, (after_steps, sinks_m_per_s), limited)
+}
+
+/// The same of a test that is not the usual one.
+pub fn single_of(
+    actuator: Actuator,
+    fault: Option<InjectedFault>,
+    (after_steps, sinks_m_per_s): (u64, f64),
+    test: Config,
+) -> Desk {
     let rig = format!(
         "[actuator]\nkind = 'delay'\ndelay_ms = {:?}\n[specimen]\nkind = 'linear'\n[sensors]\n",
         actuator.delay_ms
@@ -188,9 +202,7 @@ pub fn single(
         ..Bench::default()
     });
     desk.load();
-    let mut limited = config();
-    limited.limits = limits.clone();
-    let reply = desk.ask(Command::Configure(limited.into()));
+    let reply = desk.ask(Command::Configure(test.into()));
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
     for _ in 0..300 {
         desk.step();

@@ -76,7 +76,10 @@ impl<const A: usize> Station<A> {
         }
     }
 
-    fn event(&mut self, event: Event) -> Result<Returned, RefusedOrder> {
+    pub(super) fn event(&mut self, event: Event) -> Result<Returned, RefusedOrder> {
+        if matches!(event, Event::Arm | Event::Start) && self.held {
+            return Err(RefusedOrder::Held);
+        }
         if event == Event::Arm && !self.setup.configured {
             return Err(RefusedOrder::NotConfigured);
         }

@@ -75,6 +75,8 @@ pub enum RefusedOrder {
     NoEnergyTrip,
     /// A test begins at rest, and an actuator stands under this force, N.
     Strained(f32),
+    /// The hold button is pressed.
+    Held,
     /// Only while idle.
     NotIdle(Option<Order>),
 }

@@ -55,7 +55,8 @@ pub struct Station<const A: usize = 1> {
     /// A sample has come since the start: until then nobody knows where the actuators stand, and the outputs stay where they are.
     sampled: bool,
     late: bool,
-    held: bool,
+    /// The hold button is down.
+    pub(super) held: bool,
     chain: ChainWatch,
     read_back: ReadBack<A>,
     /// An output has shown something else than it was sent.
@@ -298,16 +299,16 @@ impl<const A: usize> Station<A> {
         self.output_differs = differs;
     }
 
-    /// The button, when it goes down, holds a test and ends an approach.
+    /// The button, when it goes down, holds a test and ends what is armed. While it is down nothing is armed or started.
     fn hold_by_button(&mut self, pressed: bool) {
         let was_down = core::mem::replace(&mut self.held, pressed);
         if pressed && !was_down {
             let event = match self.mode() {
-                Mode::Approaching => Event::Stop,
+                Mode::Approaching | Mode::Armed => Event::Stop,
                 _ => Event::Hold,
             };
             // Where nothing is to be held it means nothing.
-            let _ = self.setup.outer.handle(event);
+            let _ = self.event(event);
         }
     }
 

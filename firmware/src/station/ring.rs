@@ -3,7 +3,7 @@
 //! There are two sectors. When one is full the other is erased and goes on, so the last good record is never the one that
 //! is erased: power that fails at any moment costs no more than the saving during which it failed.
 
-use super::settings::{FlashRecord, NUMBERED};
+use super::settings::{FlashRecord, MARK, NUMBERED};
 
 /// Flash as the slots see it.
 pub trait Flash {
@@ -29,9 +29,42 @@ pub struct Ring<const BYTES: usize> {
 }
 
 impl<const BYTES: usize> Ring<BYTES> {
-    /// What was saved last.
+    /// What was saved last; nothing where that was whole once and is not any more: what was in force before it is another.
     pub fn load<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
-        self.newest(flash).map(|(_, _, kept)| kept)
+        let (slot, sequence, kept) = self.newest(flash)?;
+        let is_last = !T::MARKED || !self.has_lost::<T>(flash, (slot, sequence));
+        is_last.then_some(kept)
+    }
+
+    /// Behind the record in `slot` there was another one, whole, that does not add up any more: in its sector, or the first of the other
+    /// one by its number.
+    fn has_lost<T: FlashRecord<BYTES>>(
+        &self,
+        flash: &impl Flash,
+        (slot, sequence): (u32, u32),
+    ) -> bool {
+        self.sectors.into_iter().any(|sector| {
+            let is_here = (sector..sector + self.sector_bytes).contains(&slot);
+            let mut behind = self.slots(sector).filter(|&other| match is_here {
+                true => other > slot,
+                false => other == sector,
+            });
+            behind.any(|other| {
+                let mut head = [0; NUMBERED];
+                flash.read(other, &mut head);
+                let is_next = T::sequence(&head) == Some(sequence.wrapping_add(1));
+                let may_be = if is_here {
+                    head != [0xff; NUMBERED]
+                } else {
+                    is_next
+                };
+                may_be && {
+                    let bytes = self.read(flash, other);
+                    let was_whole = !bytes.ends_with(&[0xff; MARK]);
+                    was_whole && T::decode(&bytes).is_none()
+                }
+            })
+        })
     }
 
     /// Saves `kept` in the next slot; returns whether it reads back as it was written.
@@ -62,7 +95,12 @@ impl<const BYTES: usize> Ring<BYTES> {
                 there
             }
         };
-        flash.write(slot, &bytes).await && self.read(flash, slot) == bytes
+        let written = flash.write(slot, &bytes).await && self.read(flash, slot) == bytes;
+        if written && T::MARKED {
+            let mark = slot + BYTES as u32 - MARK as u32;
+            return flash.write(mark, &[0; MARK]).await;
+        }
+        written
     }
 
     /// The last of a sector first, and no other one whole that is older: the check sums of a full sector keep the tasks for longer
@@ -198,7 +236,8 @@ mod tests {
         }
         flash.bytes_read.set(0);
         assert_eq!(RING.load(&flash), Some(wiring(7)));
-        assert_eq!(flash.bytes_read.get(), 16 * NUMBERED + CALIBRATION_BYTES);
+        // The first slot of the other sector would hold a record behind it.
+        assert_eq!(flash.bytes_read.get(), 17 * NUMBERED + CALIBRATION_BYTES);
     }
 
     #[test]
@@ -208,6 +247,40 @@ mod tests {
         for number in 0..100 {
             assert!(save(&mut flash, number));
             assert_eq!(RING.load(&flash), Some(wiring(number)));
+        }
+    }
+
+    /// A bit of the record in force turns over: nobody has calibrated the board then, until somebody does.
+    #[test]
+    fn a_record_that_was_whole_and_is_damaged_has_no_older_one_take_its_place() {
+        let mut flash = blank();
+        for number in 0..20_u32 {
+            assert!(save(&mut flash, number as u16));
+            let slot = (0..16).map(|s| s * 64).find(|&s| {
+                let head = &flash.bytes[s..s + NUMBERED];
+                <Wiring as FlashRecord<CALIBRATION_BYTES>>::sequence(head) == Some(number)
+            });
+            let slot = slot.unwrap();
+            for bit in 0..42 * 8 {
+                let mut damaged = flash.clone();
+                damaged.bytes[slot + bit / 8] ^= 1 << (bit % 8);
+                let kept = RING.load::<Wiring>(&damaged);
+                // Of a sector that has just begun the number alone says that it is newer.
+                let is_known = bit >= NUMBERED * 8 || !slot.is_multiple_of(512);
+                let older = number.checked_sub(1).map(|n| wiring(n as u16));
+                assert!(
+                    kept.is_none() || (!is_known && kept == older),
+                    "{number}, bit {bit}: {kept:?}"
+                );
+                assert!(save(&mut damaged, 999));
+                if is_known {
+                    assert_eq!(
+                        RING.load(&damaged),
+                        Some(wiring(999)),
+                        "{number}, bit {bit}"
+                    );
+                }
+            }
         }
     }
 

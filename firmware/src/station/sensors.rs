@@ -46,8 +46,11 @@ pub struct SensorLimits {
     no_force_n: [f32; MAX_ACTUATORS],
     /// Places without a force belong together where the piston has moved by less than this between them with one, m.
     apart_m: f32,
-    /// Largest force with which a test may start, N, of each actuator.
+    /// Largest force with which a test may start, N, of each actuator, as the loop takes it.
     start_n: [f32; MAX_ACTUATORS],
+    /// What the test declares of each load cell: force read without one, N, and true force per force read.
+    force_offset_n: [f32; MAX_ACTUATORS],
+    force_scale: [f32; MAX_ACTUATORS],
 }
 
 impl SensorLimits {
@@ -58,6 +61,8 @@ impl SensorLimits {
         no_force_n: [0.0; MAX_ACTUATORS],
         apart_m: f32::MAX,
         start_n: [f32::MAX; MAX_ACTUATORS],
+        force_offset_n: [0.0; MAX_ACTUATORS],
+        force_scale: [1.0; MAX_ACTUATORS],
     };
 
     /// Of a test.
@@ -93,6 +98,14 @@ impl SensorLimits {
             start_n: moves_n.map(|n| match n > 0.0 {
                 true => (START_SHARE * n + MEAN_OF_NOISE * noise_n) as f32,
                 false => f32::MAX,
+            }),
+            force_offset_n: core::array::from_fn(|actuator| {
+                let offset_n = config.rig.force_offset_n.get(actuator);
+                offset_n.map_or(0.0, |n| *n as f32)
+            }),
+            force_scale: core::array::from_fn(|actuator| {
+                let gain = config.rig.force_gain.get(actuator);
+                gain.map_or(1.0, |gain| (1.0 / gain) as f32)
             }),
         }
     }
@@ -238,10 +251,15 @@ impl<const A: usize> SensorWatch<A> {
             .then_some(Fault::ForceStands)
     }
 
-    /// The force, N, of the first actuator that stands under more than a test may start with.
+    /// The force, N, of the first actuator that stands under more than a test may start with, as the loop takes it: what `[rig]` says of
+    /// the load cell is out of it. The bearings' friction is not: where the piston stands nobody knows which way it holds.
     pub fn strained(&self, limits: &SensorLimits) -> Option<f32> {
-        let mut each = self.force.iter().zip(limits.start_n);
-        each.find_map(|(seen, most_n)| (seen.mean_n.abs() > most_n).then_some(seen.mean_n))
+        let cells = limits.force_offset_n.iter().zip(&limits.force_scale);
+        let mut each = self.force.iter().zip(cells).zip(limits.start_n);
+        each.find_map(|((seen, (offset_n, scale)), most_n)| {
+            let taken_n = (seen.mean_n - offset_n) * scale;
+            (taken_n.abs() > most_n).then_some(taken_n)
+        })
     }
 
     /// Around zero, now and then or all the time, or where it is.

@@ -343,7 +343,12 @@ impl Service {
             RefusedOrder::Strained(n) => Reply::Refused(RefusedParameter::new(
                 "the force at the start, N",
                 f64::from(n),
-                "what half of limits.force_stands_m makes at the declared stiffness; a preload goes by `board calibrate --zero force=0`",
+                "what half of limits.force_stands_m makes; `board calibrate --zero force=0`, or rig.force_offset_n is not this cell's",
+            )),
+            RefusedOrder::Held => Reply::Refused(RefusedParameter::new(
+                "the hold button",
+                f64::NAN,
+                "one that is not pressed, before anything is armed, is started or goes on",
             )),
             RefusedOrder::NotIdle(order) => {
                 match order {

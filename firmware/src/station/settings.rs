@@ -10,6 +10,7 @@
 //! | 4..8 | sequence number: the largest counts |
 //! | 8..10 | bytes of the body |
 //! | 10.. | body, then CRC-32 of all before |
+//! | last 4 | of a calibration: zero once all before has been read back, see [`FlashRecord::MARKED`] |
 
 use link::channel::Calibration;
 use link::command::BoardTest;
@@ -20,6 +21,8 @@ const HEAD: usize = 10;
 /// Kind, version and sequence number.
 pub(super) const NUMBERED: usize = 8;
 const TAIL: usize = 4;
+/// Bytes at the end of a slot that say that it was whole.
+pub(super) const MARK: usize = 4;
 
 /// Bytes of a slot for a test: head, body, check sum, in whole words.
 pub const TEST_BYTES: usize = (HEAD + MAX_BODY + TAIL).next_multiple_of(4);
@@ -32,6 +35,10 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
     /// Which record, and the version of its body.
     const KIND: [u8; 4];
 
+    /// The last word of a slot is written behind all others, once they read back as they were: a record that has it and does not add up
+    /// is no saving that the power has cut short, but one that was whole.
+    const MARKED: bool;
+
     /// Writes the body; returns its length.
     fn body(&self, room: &mut [u8]) -> Option<usize>;
 
@@ -41,7 +48,8 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
     /// As bytes of a slot, erased flash's 0xff behind them; `None` if it does not fit.
     fn encode(&self, sequence: u32) -> Option<[u8; BYTES]> {
         let mut slot = [0xff; BYTES];
-        let length = self.body(slot.get_mut(HEAD..BYTES - TAIL)?)?;
+        let mark = if Self::MARKED { MARK } else { 0 };
+        let length = self.body(slot.get_mut(HEAD..BYTES - TAIL - mark)?)?;
         let end = HEAD + length;
         slot.get_mut(..4)?.copy_from_slice(&Self::KIND);
         slot.get_mut(4..8)?.copy_from_slice(&sequence.to_le_bytes());
@@ -77,6 +85,7 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
 
 impl FlashRecord<TEST_BYTES> for BoardTest {
     const KIND: [u8; 4] = [b'O', b'L', b'T', VERSION];
+    const MARKED: bool = false;
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
         Some(postcard::to_slice(self, room).ok()?.len())
@@ -119,6 +128,7 @@ impl Wiring {
 
 impl FlashRecord<CALIBRATION_BYTES> for Wiring {
     const KIND: [u8; 4] = [b'O', b'L', b'C', 1];
+    const MARKED: bool = true;
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
         let (tops, rest) = room.split_first_chunk_mut::<4>()?;

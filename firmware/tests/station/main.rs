@@ -16,7 +16,8 @@ use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits, flag,
+    Config, Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits,
+    flag,
 };
 
 fn done(reply: &Reply) -> u32 {
@@ -416,6 +417,36 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
     assert_eq!(b.board.mode(), Mode::Idle);
 }
 
+/// What is there and can never act, by a slip of the unit for example, is none.
+#[test]
+fn a_limit_or_a_correction_that_a_slip_of_the_unit_has_made_is_refused_by_its_name() {
+    type Slip = fn(&mut Config);
+    let slips: [(&str, Slip); 6] = [
+        ("limits.disagree_m", |c| c.limits.disagree_m = Some(1.0)),
+        ("limits.force_stands_m", |c| {
+            c.limits.force_stands_m = Some(2.0)
+        }),
+        ("limits.energy_trip", |c| c.limits.energy_trip = Some(300.0)),
+        ("loop.approach_m_per_s", |c| c.timing.approach_m_per_s = 2.0),
+        ("rig.command_offset_m", |c| {
+            c.rig.command_offset_m = [3e-3].into_iter().collect()
+        }),
+        ("rig.displacement_offset_m", |c| {
+            c.rig.displacement_offset_m = [-3e-3].into_iter().collect()
+        }),
+    ];
+    let mut b = bench();
+    for (name, slip) in slips {
+        let mut wrong = config();
+        slip(&mut wrong);
+        let reply = b.ask(Command::Configure(wrong.into()));
+        assert!(
+            matches!(&reply, Reply::Refused(r) if r.name == name),
+            "{name}: {reply:?}"
+        );
+    }
+}
+
 // proves: obstacle.not_calibrated, command.calibrate
 #[test]
 fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
@@ -470,11 +501,6 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
 fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     let mut b = bench();
     b.ready(config(), &pulse());
-    b.hardware.broken.hold_pressed = true;
-    b.step();
-    assert_eq!(b.mode(), Mode::Armed, "there is nothing to hold yet");
-    b.hardware.broken.hold_pressed = false;
-    b.step();
     done(&b.event(Event::Start));
     for _ in 0..100 {
         b.step();
@@ -482,11 +508,46 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     b.hardware.broken.hold_pressed = true;
     b.step();
     assert_eq!(b.mode(), Mode::Holding);
+    is_held(&b.event(Event::Start));
+    b.step();
+    assert_eq!(b.mode(), Mode::Holding);
+    b.hardware.broken.hold_pressed = false;
+    b.step();
     done(&b.event(Event::Start));
     for _ in 0..20 {
         b.step();
-        assert_ne!(b.mode(), Mode::Holding, "the button has not come up");
+        assert_ne!(b.mode(), Mode::Holding);
     }
+}
+
+fn is_held(reply: &Reply) {
+    assert!(
+        matches!(reply, Reply::Refused(r) if r.name == "the hold button"),
+        "{reply:?}"
+    );
+}
+
+/// Whoever presses it has something against a motion, also against one that has not begun.
+#[test]
+fn the_button_ends_what_is_armed_and_nothing_is_armed_or_started_while_it_is_pressed() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    assert!(b.permit());
+    b.hardware.broken.hold_pressed = true;
+    b.step();
+    b.step();
+    assert_eq!((b.mode(), b.permit()), (Mode::Idle, false));
+    b.settle();
+    is_held(&b.event(Event::Arm));
+    b.hardware.broken.hold_pressed = false;
+    b.step();
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    // It goes down in the step in whose end the order is taken.
+    b.hardware.broken.hold_pressed = true;
+    is_held(&b.event(Event::Start));
+    b.until(Mode::Idle);
+    assert!(!b.permit());
 }
 
 // proves: fault.permit_chain, obstacle.fault by chain

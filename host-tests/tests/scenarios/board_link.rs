@@ -387,15 +387,16 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
     // Steps of the board: nothing is armed before it is said where the piston stands, nothing begins before Enter, nothing goes on
-    // before Enter.
+    // before Enter, nor while the button is pressed.
     board.incidents.extend([
         (700, types("")),
         (800, types("0.2")),
         (2900, types("no")),
         (3000, types("")),
         (8000, press(true)),
-        (8200, press(false)),
-        (9000, types("")),
+        (8400, types("")),
+        (8800, press(false)),
+        (9400, types("")),
     ]);
     let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
     assert_eq!(
@@ -409,4 +410,26 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     // 3000 before the start, the test, and the hold.
     assert!(board.steps_received > 15_700, "{}", board.steps_received);
+}
+
+/// The button means the same before a test as in it: nothing is to move.
+#[test]
+fn the_button_ends_a_test_that_stands_armed_and_says_so() {
+    let t = test(&[]);
+    let (person, go) = channel();
+    let types = |line: &str| -> FaultInjection {
+        let (person, line) = (person.clone(), line.to_owned());
+        Box::new(move |_| person.send(line.clone()).unwrap())
+    };
+    let press: FaultInjection = Box::new(|b| b.board.hardware.broken.hold_pressed = true);
+    let by_hand = |board| run_by(&t, connect(board), Operator::by(go));
+    let mut board = loopback(&t);
+    board
+        .incidents
+        .extend([(800, types("0.2")), (2900, press), (4000, types(""))]);
+    let sentence = by_hand(board).unwrap_err().to_string();
+    assert!(
+        sentence.contains("ended before its start by the board's button"),
+        "{sentence}"
+    );
 }
