@@ -216,7 +216,7 @@ fn a_reading_beyond_the_stroke_trips() {
     trips(InjectedFault::Slip { um: 26_000 }, Fault::Reading, |c| {
         // The command stays inside it, and the reading does not.
         c.limits.displacement_m = Some(0.033);
-        c.limits.tracking_m = Some(0.04);
+        c.limits.tracking_m = Some(0.033);
     });
 }
 
