@@ -21,7 +21,8 @@ use crate::servo::Servo;
 use crate::wire::{TURN_NS, Wire};
 use clock::WallClock;
 use link::{Calibration, MAX_ACTUATORS};
-use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
+use pins::{BUTTON, PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, drive, stop_contact};
+use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -250,6 +251,7 @@ impl Laboratory {
         self.steps += 1;
         if self.steps == self.mend_at_step {
             self.wire.mend();
+            drive(session, stop.at, BUTTON, Some(Level::Low));
             self.active = None;
         }
         let now = Instant {

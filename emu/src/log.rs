@@ -19,7 +19,7 @@ pub enum InjectedFault {
     LinkCut(u64),
     /// The reset button.
     Reset,
-    /// The blue button is pressed.
+    /// The blue button is pressed, for 600 control steps.
     Button,
     /// The contact of the permission's chain is stuck.
     Chain(Contact),

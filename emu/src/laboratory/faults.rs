@@ -29,6 +29,9 @@ const PORT_E_CLOCK_BIT: u32 = 4;
 /// Control steps in a turn of 50 Hz at 2 kHz.
 const HUM_STEPS: u64 = 40;
 
+/// A person keeps a button pressed for so long.
+const PRESSED_STEPS: u64 = 600;
+
 /// A burst of noise on the force, as a share of the converter's range to either side.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
 
@@ -176,7 +179,10 @@ impl Laboratory {
     ) {
         match fault {
             InjectedFault::EmergencyStop => stop_contact(session, stop.at, false),
-            InjectedFault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
+            InjectedFault::Button => {
+                drive(session, stop.at, BUTTON, Some(Level::High));
+                self.mend_at_step = self.steps + PRESSED_STEPS;
+            }
             InjectedFault::Chain(contact) => self.permission.fault = Some(contact),
             InjectedFault::LinkCut(steps) => {
                 self.wire.cut();

@@ -256,6 +256,16 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
 fn the_blue_button_holds_the_test() {
     let mut desk = begun(Some(InjectedFault::Button), |_| {});
     desk.until(Mode::Holding);
+    // Nothing goes on while it is pressed.
+    let reply = desk.ask(Command::Event(Event::Start));
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "the hold button"),
+        "{reply:?}"
+    );
+    for _ in 0..700 {
+        desk.step();
+    }
+    assert_eq!(desk.step().mode(), Some(Mode::Holding));
     desk.order(Command::Event(Event::Start));
     desk.until(Mode::Finished);
     assert_eq!(desk.status().trip, None);
