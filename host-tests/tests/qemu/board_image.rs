@@ -30,8 +30,9 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
 /// each method, each with its design in double precision, are most of it.
 ///
 /// What a test of two coupled actuators is sent with is understood, and refused in a sentence, by the images without its loop, too:
-/// 6 KiB more in each, 370 and 373. The guards of a fourth reading took 2, for 372 and 374: PERMIT read back, and what a load cell tells.
-const MOST_FLASH: u64 = 376 * 1024;
+/// 6 KiB more in each, 370 and 373. The guards of a fourth reading took 2: PERMIT read back, and what a load cell tells. Those of a fifth
+/// took 6, for 378 and 381: limits that have to be able to act, each with its sentence.
+const MOST_FLASH: u64 = 384 * 1024;
 
 /// The loop of two coupled actuators, which the image for three has beside those of 1 to 3 storeys: another 42, of which its step
 /// and its design are most.
