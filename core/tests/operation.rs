@@ -3,17 +3,13 @@
 
 mod common;
 
-use common::{Rig, shaking, started, table1};
+use common::{Rig, ground, shaking, started, table1};
 use outerloop_core::{
     Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample,
     flag,
 };
 
 const RECORD_S: f64 = 6.0;
-
-fn ground(points: &[f32]) -> GroundMotion<'_> {
-    GroundMotion::new(points, 0.01, 5e-4).unwrap()
-}
 
 #[test]
 fn arming_moves_nothing_and_the_approach_is_slow() {

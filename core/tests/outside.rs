@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Rig, STIFFNESS_N_PER_M, shaking, table1};
+use common::{Rig, STIFFNESS_N_PER_M, shaking, stopping_and_going, table1};
 use outerloop_core::{
     Config, Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Pace, flag,
 };
@@ -153,13 +153,8 @@ fn stop_and_go_moves_at_the_set_speed_and_stands_at_each_target() {
     let mut config = table1();
     config.timing.approach_m_per_s = 0.02;
     let mut rig = Rig::new(8);
-    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    let mut outer = stopping_and_going(&config, &mut rig);
     let none = GroundMotion::none();
-    rig.step(&mut outer, &none);
-    outer.set_pace(Some(Pace::StopAndGo));
-    outer.handle(Event::Arm).unwrap();
-    rig.step(&mut outer, &none);
-    outer.handle(Event::Start).unwrap();
     let mut before = 0.0;
     for target in [0.003_f32, -0.001, 0.0, 0.004] {
         outer.set_next_target([target]);

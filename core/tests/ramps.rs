@@ -3,16 +3,12 @@
 
 mod common;
 
-use common::{Rig, shaking, started, table1};
+use common::{Rig, ground, shaking, started, stopping_and_going, table1};
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, Method, Mode, OBSTACLE_STEPS, OuterLoop, Pace, Sample, flag,
+    Design, Event, Fault, GroundMotion, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample, flag,
 };
 
 const RECORD_S: f64 = 6.0;
-
-fn ground(points: &[f32]) -> GroundMotion<'_> {
-    GroundMotion::new(points, 0.01, 5e-4).unwrap()
-}
 
 #[test]
 fn a_ramp_that_would_not_end_soon_is_none() {
@@ -127,13 +123,8 @@ fn stop_and_go_ends_on_the_ramp_whatever_predicts_beside_it() {
         config.compensation.delay_ms = 4.0.into();
         config.timing.approach_m_per_s = 0.2;
         let mut rig = Rig::new(8);
-        let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+        let mut outer = stopping_and_going(&config, &mut rig);
         let none = GroundMotion::none();
-        rig.step(&mut outer, &none);
-        outer.set_pace(Some(Pace::StopAndGo));
-        outer.handle(Event::Arm).unwrap();
-        rig.step(&mut outer, &none);
-        outer.handle(Event::Start).unwrap();
         outer.set_next_target([0.05]);
         for _ in 0..200 {
             rig.step(&mut outer, &none);

@@ -8,7 +8,9 @@ use crate::difference::Difference;
 use crate::many::Outcome;
 use crate::provenance::Provenance;
 use crate::serve::SessionSummary;
-use crate::verb::benchmark::{FollowedMarths, FollowedRths, MarthsAnswer, RthsAnswer};
+use crate::verb::benchmark::{
+    Followed, FollowedMarthsRow, FollowedRthsRow, MarthsAnswer, RthsAnswer,
+};
 use crate::verb::board::{Cleared, DeskAnswer};
 use crate::verb::check::CheckAnswer;
 use crate::verb::diagnose::DiagnosisAnswer;
@@ -62,9 +64,15 @@ pub const SCHEMAS: [NamedSchema; 26] = [
     ("board-clear", of::<Cleared>),
     ("board-desk", of::<DeskAnswer<'static>>),
     ("benchmark-rths", of::<RthsAnswer<'static>>),
-    ("benchmark-rths-follow", of::<FollowedRths<'static>>),
+    (
+        "benchmark-rths-follow",
+        of::<Followed<FollowedRthsRow<'static>>>,
+    ),
     ("benchmark-marths", of::<MarthsAnswer<'static>>),
-    ("benchmark-marths-follow", of::<FollowedMarths<'static>>),
+    (
+        "benchmark-marths-follow",
+        of::<Followed<FollowedMarthsRow<'static>>>,
+    ),
 ];
 
 fn generate() -> SchemaGenerator {

@@ -1,7 +1,7 @@
 //! What the tests of the whole loop share: the structure of Table 1 and a specimen without sensors.
 #![allow(missing_docs, dead_code)]
 
-use outerloop_core::{Config, Design, Event, GroundMotion, Mode, OuterLoop, Sample, Step};
+use outerloop_core::{Config, Design, Event, GroundMotion, Mode, OuterLoop, Pace, Sample, Step};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
 
@@ -62,5 +62,22 @@ pub fn started(config: &Config, rig: &mut Rig, ground: &GroundMotion<'_>) -> Out
     outer.handle(Event::Arm).unwrap();
     rig.step(&mut outer, ground);
     assert_eq!(outer.handle(Event::Start), Ok(Mode::Running));
+    outer
+}
+
+/// Points of a ground motion every 10 ms, at 2 kHz.
+pub fn ground(points: &[f32]) -> GroundMotion<'_> {
+    GroundMotion::new(points, 0.01, 5e-4).unwrap()
+}
+
+/// A loop that runs and stands at each target from outside.
+pub fn stopping_and_going(config: &Config, rig: &mut Rig) -> OuterLoop<1> {
+    let none = GroundMotion::none();
+    let mut outer = OuterLoop::new(Design::new(config).unwrap());
+    rig.step(&mut outer, &none);
+    outer.set_pace(Some(Pace::StopAndGo));
+    outer.handle(Event::Arm).unwrap();
+    rig.step(&mut outer, &none);
+    outer.handle(Event::Start).unwrap();
     outer
 }

@@ -214,12 +214,26 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
     assert!(b.code().abs_diff(stood) > 10, "it does not approach");
 }
 
+/// What the load cell's converter shows of a force.
+fn force_code(n: f32) -> u16 {
+    let line = Calibration::nominal(&CODES).force;
+    (n / line.per_code + line.zero_code) as u16
+}
+
+/// The reply to a start under a force that is read and stands.
+fn started_under(b: &mut Bench, config: &Config, read_n: f32) -> Reply {
+    b.ready(config.clone(), &pulse());
+    b.hardware.broken.dead_force = Some(force_code(read_n));
+    for _ in 0..300 {
+        b.step();
+    }
+    b.event(Event::Start)
+}
+
 #[test]
 fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_out_by_zero() {
     let mut limited = config();
     (limited.limits.force_stands_m, limited.limits.force_n) = (Some(2e-3), Some(5000.0));
-    let line = Calibration::nominal(&CODES).force;
-    let code = |n: f32| (n / line.per_code + line.zero_code) as u16;
     // Half of 2 mm at 158 kN/m are 158 N.
     for (n, starts) in [
         (1000.0, false),
@@ -228,12 +242,7 @@ fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_
         (120.0, true),
     ] {
         let mut b = bench();
-        b.ready(limited.clone(), &pulse());
-        b.hardware.broken.dead_force = Some(code(n));
-        for _ in 0..300 {
-            b.step();
-        }
-        let reply = b.event(Event::Start);
+        let reply = started_under(&mut b, &limited, n);
         if starts {
             done(&reply);
             continue;
@@ -273,7 +282,7 @@ fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_
         seconds: 1.0,
     };
     done(&b.ask(Command::Signal(Some(signal))));
-    b.hardware.broken.dead_force = Some(code(1000.0));
+    b.hardware.broken.dead_force = Some(force_code(1000.0));
     b.settle();
     done(&b.event(Event::Arm));
     b.until(Mode::Armed);
@@ -287,8 +296,6 @@ fn a_test_begins_under_the_force_that_its_loop_takes() {
     (limited.limits.force_stands_m, limited.limits.force_n) = (Some(2e-3), Some(5000.0));
     limited.rig.force_offset_n = [1000.0].into_iter().collect();
     limited.rig.force_gain = [2.0].into_iter().collect();
-    let line = Calibration::nominal(&CODES).force;
-    let code = |n: f32| (n / line.per_code + line.zero_code) as u16;
     // An offset that is not this cell's any more: the loop would have -500 N of a reading of none.
     for (read_n, starts) in [
         (0.0, false),
@@ -297,12 +304,7 @@ fn a_test_begins_under_the_force_that_its_loop_takes() {
         (1400.0, false),
     ] {
         let mut b = bench();
-        b.ready(limited.clone(), &pulse());
-        b.hardware.broken.dead_force = Some(code(read_n));
-        for _ in 0..300 {
-            b.step();
-        }
-        let reply = b.event(Event::Start);
+        let reply = started_under(&mut b, &limited, read_n);
         if starts {
             done(&reply);
             continue;

@@ -5,14 +5,14 @@ use benchmarks::rths::bench::{criteria, criteria_schema};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What the commands of a table came to.
+/// What the commands of a table came to, with rows of either problem.
 #[derive(Serialize, JsonSchema)]
-pub struct FollowedRths<'a> {
+pub struct Followed<R> {
     pub(super) rules: String,
     pub(super) seed: u64,
     /// What J1 to J9 mean.
     pub(super) criteria: [&'static str; 9],
-    pub(super) rows: [FollowedRthsRow<'a>; 1],
+    pub(super) rows: [R; 1],
 }
 
 /// One table, one case: J1 in ms, else per cent.
@@ -34,16 +34,6 @@ pub struct FollowedRthsRow<'a> {
     pub(super) within_limits: bool,
     pub(super) perturbed: usize,
     pub(super) lost: usize,
-}
-
-/// What the commands of a table came to.
-#[derive(Serialize, JsonSchema)]
-pub struct FollowedMarths<'a> {
-    pub(super) rules: &'static str,
-    pub(super) seed: u64,
-    /// What J1 to J9 mean.
-    pub(super) criteria: [&'static str; 9],
-    pub(super) rows: [FollowedMarthsRow<'a>; 1],
 }
 
 /// One table; J8 has no figure.

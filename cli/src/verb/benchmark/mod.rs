@@ -6,7 +6,7 @@ mod marths;
 mod rths;
 mod shared;
 
-pub use followed::{FollowedMarths, FollowedRths};
+pub use followed::{Followed, FollowedMarthsRow, FollowedRthsRow};
 pub use marths::MarthsAnswer;
 pub use rths::RthsAnswer;
 

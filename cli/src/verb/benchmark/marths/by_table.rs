@@ -1,7 +1,7 @@
 //! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
 
 use super::super::command_table;
-use super::super::followed::{FollowedMarths, FollowedMarthsRow};
+use super::super::followed::{Followed, FollowedMarthsRow};
 use super::super::shared::refused;
 use super::Marths;
 use crate::provenance::WithProvenance;
@@ -63,8 +63,8 @@ impl Marths {
                 j: found,
                 perturbed: 0,
             };
-            let answer = FollowedMarths {
-                rules: "official",
+            let answer = Followed {
+                rules: "official".to_owned(),
                 seed: self.seed,
                 criteria: MEANING,
                 rows: [row],

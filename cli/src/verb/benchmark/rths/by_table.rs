@@ -1,7 +1,7 @@
 //! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
 
 use super::super::command_table;
-use super::super::followed::{FollowedRths, FollowedRthsRow};
+use super::super::followed::{Followed, FollowedRthsRow};
 use super::super::shared::refused;
 use super::Rths;
 use crate::provenance::WithProvenance;
@@ -70,7 +70,7 @@ impl Rths {
                 perturbed: 0,
                 lost: 0,
             };
-            let answer = FollowedRths {
+            let answer = Followed {
                 rules: rules.name(),
                 seed: self.seed,
                 criteria: MEANING,
