@@ -5,7 +5,7 @@
 //! figures of [`CalibratedRange`] in its sentence.
 
 use crate::channel::{Calibration, CodeRange};
-use outerloop_core::{Config, Refusal, config::Limits};
+use outerloop_core::{Config, Refusal, accept, config::Limits};
 
 /// Codes of the displacement that a motion has to pass before a standing reading counts as frozen, at least: coarser
 /// than the converter's own steps and their noise.
@@ -204,10 +204,11 @@ impl CalibratedRange {
 
 /// The approach goes at a speed at which a person gets away.
 fn check_speed(config: &Config) -> Result<(), Refusal> {
-    within(
+    let approach_m_per_s = config.timing.approach_m_per_s;
+    accept(
         "loop.approach_m_per_s",
-        config.timing.approach_m_per_s,
-        APPROACH_M_PER_S,
+        approach_m_per_s,
+        approach_m_per_s <= APPROACH_M_PER_S,
         "at most 0.25 m/s",
     )
 }
@@ -241,39 +242,19 @@ fn check_rig(config: &Config) -> Result<(), Refusal> {
     ];
     for (name, list, most, accepted) in rows {
         for &value in list {
-            within(name, value, most, accepted)?;
+            accept(name, value, value.abs() <= most, accepted)?;
         }
     }
     for (name, list) in [
         ("rig.command_gain", &rig.command_gain),
         ("rig.displacement_gain", &rig.displacement_gain),
     ] {
-        let mut wrong = list.iter().filter(|g| !(1.0 / GAIN..=GAIN).contains(*g));
-        if let Some(&value) = wrong.next() {
-            return Err(Refusal {
-                name,
-                value,
-                accepted: "0.8 to 1.25; a larger one belongs in the calibration (board calibrate)",
-            });
+        for &gain in list {
+            let accepted = "0.8 to 1.25; a larger one belongs in the calibration (board calibrate)";
+            accept(name, gain, (1.0 / GAIN..=GAIN).contains(&gain), accepted)?;
         }
     }
     Ok(())
-}
-
-fn within(
-    name: &'static str,
-    value: f64,
-    most: f64,
-    accepted: &'static str,
-) -> Result<(), Refusal> {
-    match value.abs() <= most {
-        true => Ok(()),
-        false => Err(Refusal {
-            name,
-            value,
-            accepted,
-        }),
-    }
 }
 
 fn at_most(
