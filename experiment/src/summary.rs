@@ -144,6 +144,7 @@ const fn is_fact(fault: Fault) -> bool {
             | Fault::Disagree
             | Fault::ForceStands
             | Fault::Starved
+            | Fault::Memory
     )
 }
 

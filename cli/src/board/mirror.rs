@@ -299,7 +299,8 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
                 | Fault::Output
                 | Fault::Disagree
                 | Fault::ForceStands
-                | Fault::Starved,
+                | Fault::Starved
+                | Fault::Memory,
             ) if report.mode() != Some(Mode::Tripped) => latched,
             _ if rail => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),

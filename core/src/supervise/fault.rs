@@ -73,6 +73,8 @@ faults! {
     Starved = 19, "starved", "";
     /// The rig watch: a sensor stands still (no limit), or the error that what it named will add passes its limit.
     Watch = 20, "watch", "";
+    /// A number that the board goes by and its second copy differ: a bit of its memory has turned over.
+    Memory = 21, "memory", "";
 }
 
 impl Fault {

@@ -1,10 +1,10 @@
 //! Single bits that turn over in a running test: none is dangerous in a few, and in many hardly any may be.
 
-use crate::desk::{Bench, Desk, image};
+use crate::desk::{Bench, Desk, codes, image};
 use emu::flips::{Outcome, Table, Target, Trials, run};
 use emu::{CoreBits, Firmware, LoggedEvent};
-use link::Command;
-use outerloop_core::{Event, Mode};
+use link::{Calibration, Command};
+use outerloop_core::{Event, Fault, Mode};
 
 fn flips(flips: usize, seed: u64, only: Option<Target>) -> Table {
     let firmware = Firmware::read(image()).expect("an image");
@@ -90,4 +90,65 @@ fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
     let rises = seen.iter().any(|(_, s)| *s == LoggedEvent::Permit(true));
     assert!(!rises, "PERMIT rose, and nobody had armed it");
     assert!(!desk.status().permit);
+}
+
+/// The addresses, in what the control interrupt owns, of the second lowest byte of the code at which the command is zero: those that hold
+/// it for three codes in turn.
+fn zero_codes(desk: &mut Desk, processor: &CoreBits) -> Vec<u64> {
+    for zero_code in [32_767.5_f32, 32_700.0, 32_640.0] {
+        let mut calibration = Calibration::nominal(&codes());
+        calibration.command.zero_code = zero_code;
+        desk.order(Command::Calibrate(0, calibration));
+        for _ in 0..40 {
+            desk.step();
+        }
+        processor.holds(zero_code.to_le_bytes()[1]);
+        for _ in 0..40 {
+            desk.step();
+        }
+    }
+    processor.sought()
+}
+
+// proves: fault.memory by turn_over_byte
+#[test]
+fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
+    let firmware = Firmware::read(image()).expect("an image");
+    let processor = CoreBits::default();
+    processor.seek(firmware.variable("7CONTROL"));
+    let mut desk = Desk::with(Bench {
+        firmware: Some(firmware),
+        processor: Some(processor.clone()),
+        ..Bench::default()
+    });
+    for _ in 0..40 {
+        desk.step();
+    }
+    let copies = zero_codes(&mut desk, &processor);
+    assert_eq!(copies.len(), 2, "{copies:x?}");
+    for address in copies {
+        desk.start();
+        for _ in 0..100 {
+            assert_eq!(desk.step().mode(), Some(Mode::Running));
+        }
+        let before = desk.log().seen.len();
+        // Bit 23 of the number: half the stroke.
+        processor.turn_over_byte(address + 1, 7);
+        while desk.step().mode() == Some(Mode::Running) {}
+        for _ in 0..100 {
+            desk.step();
+        }
+        let status = desk.status();
+        assert_eq!(status.trip.map(|t| t.fault), Some(Fault::Memory));
+        assert!(!status.permit);
+        let seen = desk.log().seen;
+        let commands = seen[before - 20..].iter().filter_map(|(_, s)| match s {
+            LoggedEvent::Command(code) => Some(*code),
+            _ => None,
+        });
+        let commands: Vec<u16> = commands.collect();
+        let steps = commands.windows(2).map(|w| w[1].abs_diff(w[0]));
+        assert!(steps.max().expect("commands") < 40, "{commands:?}");
+        desk.order(Command::Event(Event::Clear));
+    }
 }

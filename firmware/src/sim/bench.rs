@@ -133,6 +133,15 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
+    /// A bit turns over in one of the two copies of the first actuator's calibration: of its command's zero.
+    pub fn turn_over_zero(&mut self, copy: usize, bit: u32) {
+        let copies = self.station.calibrations.both();
+        if let Some([calibration, ..]) = copies.get_mut(copy).map(|c| c.as_mut_slice()) {
+            let zero = &mut calibration.command.zero_code;
+            *zero = f32::from_bits(zero.to_bits() ^ 1 << bit);
+        }
+    }
+
     /// One control period, and what the tasks do in it; its report.
     pub fn step(&mut self) -> Report {
         self.period();

@@ -67,8 +67,10 @@ impl<const A: usize> Station<A> {
                 Ok(Returned::Nothing)
             }
             Order::Calibrate(actuator, calibration) => {
-                if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
-                    *place = calibration;
+                for copy in self.calibrations.both() {
+                    if let Some(place) = copy.get_mut(usize::from(actuator)) {
+                        *place = calibration;
+                    }
                 }
                 self.output = Output::new();
                 Ok(Returned::Nothing)

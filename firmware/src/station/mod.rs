@@ -26,6 +26,7 @@ mod service;
 mod settings;
 mod setup;
 mod spacing;
+mod twice;
 pub(crate) mod upload;
 mod watchers;
 mod window;

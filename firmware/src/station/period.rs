@@ -10,6 +10,7 @@ use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
+use super::twice::Twice;
 use super::watchers::{FromWatch, Watched, pass_on};
 use crate::hardware::Hardware;
 use crate::station::commission::Generator;
@@ -45,7 +46,7 @@ pub struct Station<const A: usize = 1> {
     pub(super) points_are_commands: bool,
     /// The targets come from the PC.
     pub(super) targets_from_pc: bool,
-    pub(super) calibrations: [Calibration; A],
+    pub(crate) calibrations: Twice<[Calibration; A]>,
     pub(super) output: Output<A>,
     pub(super) tick: u32,
     pub(super) spacing: Spacing,
@@ -122,7 +123,7 @@ impl<const A: usize> Station<A> {
             signal: None,
             points_are_commands: false,
             targets_from_pc: false,
-            calibrations,
+            calibrations: Twice::new(calibrations),
             output: Output::new(),
             tick: 0,
             spacing: Spacing::new(),
@@ -179,7 +180,7 @@ impl<const A: usize> Station<A> {
         self.codes = codes.unwrap_or(self.codes);
         let read: [[f32; 2]; A] = core::array::from_fn(|actuator| {
             let ([displacement, force], lines) =
-                (self.codes[actuator], &self.calibrations[actuator]);
+                (self.codes[actuator], &self.calibrations.first()[actuator]);
             [
                 lines.displacement.quantity(displacement),
                 lines.force.quantity(force),
@@ -187,14 +188,17 @@ impl<const A: usize> Station<A> {
         });
         let fresh = codes.is_some();
         self.sampled |= fresh;
-        let fault = self.fault(hardware, starved, late);
+        let remembered = self.calibrations.agreed().is_some();
+        let fault = self.fault(hardware, remembered, starved, late);
         let chain_open = !hardware.permit_chain_closed();
 
         // Step and command.
         let commissioning_m = self.commissioning_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
-        let (calibrations, output, sampled) = (&self.calibrations, &mut self.output, self.sampled);
+        // By a calibration with a wrong bit nothing is sent: the outputs stay where they are.
+        let known = self.sampled && remembered;
+        let (calibrations, output) = (self.calibrations.first(), &mut self.output);
         let time = &mut self.setup.time;
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
@@ -204,7 +208,7 @@ impl<const A: usize> Station<A> {
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault, sample.chain_open) = (fresh, fault, chain_open);
             let step = outer.step(&sample, ground);
-            let known = sampled.then_some(&step.command_m);
+            let known = known.then_some(&step.command_m);
             output.show(hardware, (calibrations, &read), known, step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
             inputs = hardware.inputs();
@@ -215,13 +219,12 @@ impl<const A: usize> Station<A> {
 
         let differs =
             self.read_back
-                .differs::<H>(&inputs, fresh, self.output.sent, &self.calibrations);
-        self.look_at_output(hardware, differs);
-        let tests = self.mode().integrates() && self.signal.is_none();
-        let m_per_code = self
-            .calibrations
+                .differs::<H>(&inputs, fresh, self.output.sent, calibrations);
+        let m_per_code = calibrations
             .first()
             .map_or(0.0, |c| c.displacement.per_code);
+        self.look_at_output(hardware, differs);
+        let tests = self.mode().integrates() && self.signal.is_none();
         self.sensor_fault = self.sensors.fault::<H>(
             &self.setup.sensors,
             &inputs,
@@ -252,6 +255,7 @@ impl<const A: usize> Station<A> {
     fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,
+        remembered: bool,
         starved: Option<Heartbeat>,
         late: bool,
     ) -> Option<Fault> {
@@ -272,6 +276,8 @@ impl<const A: usize> Station<A> {
             Some(Fault::Starved)
         } else if self.output_lost || self.output_differs {
             Some(Fault::Output)
+        } else if !remembered {
+            Some(Fault::Memory)
         } else if rail {
             Some(Fault::AdcRail)
         } else if self.sensor_fault.is_some() {

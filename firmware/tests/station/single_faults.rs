@@ -368,3 +368,17 @@ fn a_command_that_reads_back_a_few_millimetres_off_over_a_long_stroke_is_seen() 
         assert_eq!(stands, is_seen, "{half_m} m, {codes_off} codes");
     }
 }
+
+// proves: fault.memory by turn_over_zero
+#[test]
+fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
+    for (copy, bit) in [(0, 23), (1, 23), (0, 0), (1, 0)] {
+        trips(Fault::Memory, 0, |b| b.turn_over_zero(copy, bit));
+        let mut b = loaded(config(), |b| b.turn_over_zero(copy, bit));
+        let memory = Some(Obstacle::Fault(Fault::Memory));
+        assert_eq!(obstacle(b.event(Event::Arm)), memory);
+        done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
+        b.step();
+        done(&b.event(Event::Arm));
+    }
+}
