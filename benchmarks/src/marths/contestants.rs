@@ -228,9 +228,8 @@ struct CoreTracker {
 
 impl PairController for CoreTracker {
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
-        let (stroke_m, _) = self
-            .tracker
-            .observe(&self.sent_m, &read_m.map(|x| x as f32));
+        let read_f32_m = read_m.map(|x| x as f32);
+        let (stroke_m, _) = self.tracker.observe(&self.sent_m, &read_f32_m, true);
         if self.estimated {
             stroke_m.map(f64::from)
         } else {

@@ -113,12 +113,14 @@ impl PlantEstimator {
         &self.plant
     }
 
-    /// One sample: what was sent since the last, what is measured now. Returns the model's strokes, m.
+    /// One sample: what was sent since the last, what is measured now, and whether the plant is identified by it. Returns
+    /// the model's strokes, m.
     pub fn update(
         &mut self,
         settings: &EstimatorSettings,
         sent_m: &Pair,
         measured_m: &Pair,
+        learns: bool,
     ) -> Pair {
         let modelled_m = self.forward.step(
             &self.plant,
@@ -127,7 +129,7 @@ impl PlantEstimator {
             sent_m,
             &mut self.slopes,
         );
-        if settings.spreads.is_empty() {
+        if settings.spreads.is_empty() || !learns {
             return modelled_m;
         }
         let noise_m = CAUTION * settings.noise_m;
@@ -259,7 +261,7 @@ mod tests {
                 4e-3 * libm::sinf(23.0 * t) + 1e-3 * libm::sinf(90.0 * t),
             ];
             let y = rig.step(&truth, &none, settings.period_s, &sent, &mut unused);
-            estimator.update(&settings, &sent, &y);
+            estimator.update(&settings, &sent, &y, true);
         }
         for (p, by) in off.into_iter().enumerate() {
             assert!(
@@ -270,7 +272,7 @@ mod tests {
         }
         assert!(estimator.covariance.diagonal.iter().all(|&d| d >= 0.0));
         // A NaN teaches nothing and leaves a finite plant.
-        estimator.update(&settings, &[0.0; 2], &[f32::NAN, 0.0]);
+        estimator.update(&settings, &[0.0; 2], &[f32::NAN, 0.0], true);
         assert!(
             estimator
                 .plant()

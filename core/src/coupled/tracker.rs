@@ -118,12 +118,12 @@ impl Tracker {
     }
 
     /// Takes in what was sent since the last sample and the measured strokes, before the target of the same sample. Returns
-    /// the estimated strokes and the position of the interface.
-    pub fn observe(&mut self, sent_m: &Pair, measured_m: &Pair) -> (Pair, Pair) {
+    /// the estimated strokes and the position of the interface. The plant is identified where the actuators are known to
+    /// follow (`learns`): to valves that are shut every gain looks wrong.
+    pub fn observe(&mut self, sent_m: &Pair, measured_m: &Pair, learns: bool) -> (Pair, Pair) {
         let k = &self.constants;
-        let modelled_m = self
-            .estimator
-            .update(&k.settings.estimate, sent_m, measured_m);
+        let settings = &k.settings.estimate;
+        let modelled_m = self.estimator.update(settings, sent_m, measured_m, learns);
         let stroke_m = core::array::from_fn(|i| {
             let error_m = measured_m[i] - modelled_m[i];
             if error_m.is_finite() {
@@ -227,7 +227,7 @@ mod tests {
         let mut at = [0.0; 2];
         for step in 0..3 * 1024 {
             let strokes_m = rig.step(&FRAME, &Spreads::new(), PERIOD_S, &sent_m, &mut slopes);
-            at = tracker.observe(&sent_m, &strokes_m).1;
+            at = tracker.observe(&sent_m, &strokes_m, true).1;
             let target = 0.02 * (step as f32 / 2048.0).min(1.0);
             sent_m = tracker.command_driven(&[target; 2], 0.0, driven);
         }

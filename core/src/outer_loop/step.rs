@@ -193,9 +193,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             return (sample.displacement_m, sample.force_n);
         }
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
+        let runs = self.mode.integrates();
         self.rig
-            .correct(&self.sent_m, &mut displacement_m, &mut force_n);
-        if self.post.flags() & flag::ADJUSTED != 0 && self.mode.integrates() {
+            .correct(&self.sent_m, runs, &mut displacement_m, &mut force_n);
+        if self.post.flags() & flag::ADJUSTED != 0 && runs {
             let velocity_m = self.signal.velocity_m();
             for j in 0..N {
                 displacement_m[j] += self.post.axis(j).reading_late_steps * velocity_m[j];

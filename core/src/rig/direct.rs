@@ -165,7 +165,13 @@ impl<const N: usize> Rig<N> for DirectRig<N> {
     }
 
     #[inline]
-    fn correct(&mut self, _: &[f32; N], displacement_m: &mut [f32; N], force_n: &mut [f32; N]) {
+    fn correct(
+        &mut self,
+        _: &[f32; N],
+        _: bool,
+        displacement_m: &mut [f32; N],
+        force_n: &mut [f32; N],
+    ) {
         self.without_errors(displacement_m, force_n);
     }
 

@@ -44,8 +44,15 @@ pub trait Rig<const N: usize>: Clone + core::fmt::Debug {
     fn restart(&mut self) {}
 
     /// Puts displacements (m) and forces (N) of the structure's coordinates, true as far as they are known, in the place
-    /// of what was read; `sent_m` are the commands that were in force.
-    fn correct(&mut self, sent_m: &[f32; N], displacement_m: &mut [f32; N], force_n: &mut [f32; N]);
+    /// of what was read; `sent_m` are the commands that were in force. What the actuators make of them is only to be
+    /// learnt from where the test `runs`: before, nobody knows whether they follow.
+    fn correct(
+        &mut self,
+        sent_m: &[f32; N],
+        runs: bool,
+        displacement_m: &mut [f32; N],
+        force_n: &mut [f32; N],
+    );
 
     /// Strokes of the actuators, m, with the structure at `at_m`.
     fn strokes_m(&self, at_m: &[f32; N]) -> [f32; N];

@@ -235,7 +235,36 @@ impl Laboratory {
             }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.
-            _ => {}
+            InjectedFault::SensorAtRail
+            | InjectedFault::FrozenSensor
+            | InjectedFault::NoiseBurst
+            | InjectedFault::DeadSensor
+            | InjectedFault::StandingSensor
+            | InjectedFault::DeadForce
+            | InjectedFault::FrozenForce
+            | InjectedFault::StandingForce
+            | InjectedFault::ForceAtRail
+            | InjectedFault::ReversedForce
+            | InjectedFault::Slip { .. }
+            | InjectedFault::ReadingGain { .. }
+            | InjectedFault::DeadSecondSensor
+            | InjectedFault::NoKnownVoltage
+            | InjectedFault::ReadBackOpen
+            | InjectedFault::DeadValve
+            | InjectedFault::Gain { .. }
+            | InjectedFault::Stiffness { .. }
+            | InjectedFault::LateBy(_)
+            | InjectedFault::KnownVoltageFlickers
+            | InjectedFault::ReadBackFlickers
+            | InjectedFault::SecondSensorFlickers
+            | InjectedFault::ForceFlickers
+            | InjectedFault::SensorFlickers
+            | InjectedFault::ForceGain { .. }
+            | InjectedFault::Runaway { .. }
+            | InjectedFault::CommandOpen
+            | InjectedFault::ForceContact { .. }
+            | InjectedFault::ForceOffset { .. }
+            | InjectedFault::HummingForce { .. } => {}
         }
     }
 

@@ -128,6 +128,7 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
     assert_eq!(copies.len(), 2, "{copies:x?}");
     for address in copies {
         desk.start();
+        desk.until(Mode::Running);
         for _ in 0..100 {
             assert_eq!(desk.step().mode(), Some(Mode::Running));
         }

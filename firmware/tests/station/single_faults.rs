@@ -378,7 +378,9 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
         let memory = Some(Obstacle::Fault(Fault::Memory));
         assert_eq!(obstacle(b.event(Event::Arm)), memory);
         done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
-        b.step();
+        for _ in 0..300 {
+            b.step();
+        }
         done(&b.event(Event::Arm));
     }
 }

@@ -343,6 +343,39 @@ fn a_hold_stands_still_and_the_test_goes_on_where_it_stood() {
     }
 }
 
+/// Where a rig stood while its valves were shut: a model that learnt from it would take every gain for too large.
+#[test]
+fn nothing_is_learnt_of_actuators_whose_valves_are_shut() {
+    const STANDS_M: Pair = [0.01, 0.01];
+    let mut settings = settings();
+    let gains = [(0, 0), (0, 1), (1, 0), (1, 1)];
+    let gains = gains.map(|(i, j)| (Parameter::Gain(i, j), 0.03));
+    settings.coupled.tracker.estimate.spreads.extend(gains);
+    let mut outer = OuterLoop::new(Design::coupled(&settings.config, &settings.coupled).unwrap());
+    let mut laboratory = Laboratory::new();
+    laboratory.plant = FRAME;
+    let (mut sent_m, mut permit) = ([0.0; 2], false);
+    let (mut at_m, mut fastest_m) = (STANDS_M, Pair::default());
+    for tick in 0..3000 {
+        let (_, mut sample) = laboratory.step(&sent_m);
+        if !permit {
+            sample = Sample::new(STANDS_M, [0.0; 2]);
+        }
+        let moved_m = |i: usize| (sample.displacement_m[i] - at_m[i]).abs();
+        fastest_m = core::array::from_fn(|i| fastest_m[i].max(moved_m(i)));
+        at_m = sample.displacement_m;
+        let step = outer.step(&sample, &GroundMotion::none());
+        (sent_m, permit) = (step.command_m, step.permit);
+        if tick == 1500 {
+            assert_eq!(outer.rig().plant(), &FRAME);
+            outer.handle(Event::Arm).unwrap();
+        }
+    }
+    assert_eq!(outer.mode(), Mode::Armed);
+    println!("{fastest_m:?} m a step");
+    assert!(fastest_m.iter().all(|&m| m < 1e-4), "{fastest_m:?}");
+}
+
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let refused = |change: fn(&mut Settings)| {
