@@ -14,6 +14,9 @@ pub const FROZEN_CODES: u16 = 8;
 /// The longest time for which samples may be stale, s.
 pub const STALE_S: f64 = 0.25;
 
+/// The longest time in which a command that waits for its target or sample slows down to a third, s: at 0.3 m/s it goes 3 mm in it.
+pub const SLOW_DOWN_S: f64 = 0.01;
+
 /// The largest change of the command in a control step, as a share of the stroke that is shown. More is no limit.
 pub const STEP_SHARE: f64 = 0.25;
 
@@ -202,14 +205,32 @@ impl CalibratedRange {
     }
 }
 
-/// The approach goes at a speed at which a person gets away.
+/// The approach goes at a speed at which a person gets away, and a command whose target or sample does not come slows down at once.
 fn check_speed(config: &Config) -> Result<(), Refusal> {
-    let approach_m_per_s = config.timing.approach_m_per_s;
+    let timing = &config.timing;
     accept(
         "loop.approach_m_per_s",
-        approach_m_per_s,
-        approach_m_per_s <= APPROACH_M_PER_S,
+        timing.approach_m_per_s,
+        timing.approach_m_per_s <= APPROACH_M_PER_S,
         "at most 0.25 m/s",
+    )?;
+    let within = |name, steps: u32, most_s: f64, least: f64, accepted| {
+        let most = (most_s * timing.rate_hz).max(least);
+        accept(name, steps.into(), f64::from(steps) <= most, accepted)
+    };
+    within(
+        "loop.slow_down_steps",
+        timing.slow_down_steps.into(),
+        SLOW_DOWN_S,
+        8.0,
+        "at most 10 ms, or 8 steps",
+    )?;
+    within(
+        "loop.late_limit_steps",
+        timing.late_limit_steps.into(),
+        STALE_S,
+        200.0,
+        "at most a quarter of a second, or 200 steps",
     )
 }
 
@@ -360,7 +381,7 @@ mod tests {
     /// Rows: a name, the most that is accepted of it, and what is more.
     #[test]
     fn what_could_never_act_or_lets_the_piston_jump_is_refused_by_its_name() {
-        let rows: [(&str, Change, Change); 17] = [
+        let rows: [(&str, Change, Change); 20] = [
             // 2 % of the 85.35 mm that 3495 codes to either side show.
             (
                 "limits.disagree_m",
@@ -415,6 +436,22 @@ mod tests {
                 "loop.approach_m_per_s",
                 |c| c.timing.approach_m_per_s = 0.25,
                 |c| c.timing.approach_m_per_s = 0.26,
+            ),
+            // At 2 kHz; the defaults are accepted at every rate.
+            (
+                "loop.slow_down_steps",
+                |c| c.timing.slow_down_steps = 20,
+                |c| c.timing.slow_down_steps = 21,
+            ),
+            (
+                "loop.slow_down_steps",
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 8),
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 9),
+            ),
+            (
+                "loop.late_limit_steps",
+                |c| c.timing.late_limit_steps = 500,
+                |c| c.timing.late_limit_steps = 501,
             ),
             (
                 "rig.command_offset_m",

@@ -102,6 +102,8 @@ impl CoupledPart {
             tracking_m: Some(l.tracking_m),
             stale_steps: Some(l.stale_steps),
             frozen_m: Some(l.frozen_m),
+            force_stands_m: l.force_stands_m,
+            disagree_m: l.disagree_m,
             ..Limits::default()
         };
         config

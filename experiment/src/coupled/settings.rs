@@ -56,7 +56,14 @@ pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
         }
     }
     let limits = &c.limits;
-    for (name, value) in limits.named() {
+    let optional = [
+        ("force_stands_m", limits.force_stands_m),
+        ("disagree_m", limits.disagree_m),
+    ];
+    let optional = optional
+        .into_iter()
+        .filter_map(|(name, limit)| Some((name, limit?)));
+    for (name, value) in limits.named().into_iter().chain(optional) {
         if !(value > 0.0 && value.is_finite()) {
             return Err(format!(
                 "coupled.limits.{name} = {value} is refused: accepted are numbers above 0"

@@ -170,6 +170,12 @@ pub struct CoupledLimits {
     /// Motion of a target that a standing reading may hide, m.
     #[serde(default = "hidden")]
     pub frozen_m: f64,
+    /// Motion of a stroke over which its force has to change, m; where left out, `run` on a board takes a quarter of the largest stroke.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_stands_m: Option<f64>,
+    /// Largest difference of a stroke's two transducers, m; only a board looks at it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagree_m: Option<f64>,
 }
 
 fn five_steps() -> u16 {

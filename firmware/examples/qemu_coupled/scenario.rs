@@ -145,7 +145,7 @@ impl Scenario {
     /// A sample of the tracker.
     #[inline(never)]
     pub fn track(&mut self, input: &Input) -> Tracked {
-        let (_, interface) = self.tracker.observe(&self.sent_m, &input.measured_m);
+        let (_, interface) = self.tracker.observe(&self.sent_m, &input.measured_m, true);
         let command_m = self.tracker.command(&input.target, input.ground_m_per_s2);
         Tracked {
             command_m,

@@ -38,6 +38,10 @@ pub struct Tasks<H, const A: usize = 1> {
     waiting: bool,
 }
 
+fn turn_over(number: &mut f32, bit: u32) {
+    *number = f32::from_bits(number.to_bits() ^ 1 << bit);
+}
+
 fn leak<T>(x: T) -> &'static mut T {
     Box::leak(Box::new(x))
 }
@@ -133,12 +137,20 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// A bit turns over in one of the two copies of the first actuator's calibration: of its command's zero.
+    /// A bit turns over in one of the two copies of the first actuator's calibration that the tasks keep: of its command's zero.
+    pub fn turn_over_zero_of_the_tasks(&mut self, copy: usize, bit: u32) {
+        if let Some((copies, _)) = self.service.calibrations.first_mut()
+            && let Some(calibration) = copies.both().get_mut(copy)
+        {
+            turn_over(&mut calibration.command.zero_code, bit);
+        }
+    }
+
+    /// The same in what the control interrupt keeps.
     pub fn turn_over_zero(&mut self, copy: usize, bit: u32) {
         let copies = self.station.calibrations.both();
         if let Some([calibration, ..]) = copies.get_mut(copy).map(|c| c.as_mut_slice()) {
-            let zero = &mut calibration.command.zero_code;
-            *zero = f32::from_bits(zero.to_bits() ^ 1 << bit);
+            turn_over(&mut calibration.command.zero_code, bit);
         }
     }
 

@@ -217,9 +217,9 @@ impl<const A: usize> Station<A> {
             (report, pass_on(outer, sent_m, &mut self.watch))
         });
 
-        let differs =
-            self.read_back
-                .differs::<H>(&inputs, fresh, self.output.sent, calibrations);
+        let differs = self
+            .read_back
+            .differs::<H>(&inputs, fresh, self.output.sent, calibrations);
         let m_per_code = calibrations
             .first()
             .map_or(0.0, |c| c.displacement.per_code);
@@ -311,6 +311,8 @@ impl<const A: usize> Station<A> {
         if pressed && !was_down {
             let event = match self.mode() {
                 Mode::Approaching | Mode::Armed => Event::Stop,
+                // A commissioning signal before its first step: there is no test to go on with.
+                Mode::Running if self.signal.is_some() => Event::Stop,
                 _ => Event::Hold,
             };
             // Where nothing is to be held it means nothing.

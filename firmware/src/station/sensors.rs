@@ -5,6 +5,7 @@ use link::command::BoardTest;
 use link::telemetry::MAX_INPUTS;
 use link::{Input, MAX_ACTUATORS};
 use outerloop_core::Fault;
+use outerloop_core::coupled::CoupledSettings;
 
 /// Steps that are no fault, one without taking one off: a spike on a wire.
 const TIMEOUT_STEPS: u8 = 4;
@@ -77,6 +78,11 @@ impl SensorLimits {
             let own = stiffness.get(storey).filter(|_| test.coupled.is_none());
             own.map_or(0.0, |n_per_m| n_per_m * stands_m)
         });
+        // What a rest of the interface away from zero makes of the two forces on a coupler, N.
+        let rests_n = test.coupled.as_ref().map_or(moves_n, |coupled| {
+            let each_n = largest_of_each_n(coupled, stands_m);
+            core::array::from_fn(|actuator| if actuator < 2 { each_n } else { 0.0 })
+        });
         // Between two storeys the force passes zero wherever theirs are the same.
         let is_alone = test.actuators() == 1 && test.coupled.is_none();
         let noise_n = DEVIATIONS * config.estimation.force_noise_n;
@@ -95,7 +101,7 @@ impl SensorLimits {
                 true => or_never(limits.force_stands_m),
                 false => 0.0,
             },
-            start_n: moves_n.map(|n| match n > 0.0 {
+            start_n: rests_n.map(|n| match n > 0.0 {
                 true => (START_SHARE * n + MEAN_OF_NOISE * noise_n) as f32,
                 false => f32::MAX,
             }),
@@ -109,6 +115,19 @@ impl SensorLimits {
             }),
         }
     }
+}
+
+/// The larger of the two actuators' forces on a coupler whose interface the specimen holds at `x_m`, without a rotation, N.
+fn largest_of_each_n(coupled: &CoupledSettings<2>, x_m: f64) -> f64 {
+    let (all, numerical) = (
+        &coupled.structure.stiffness,
+        &coupled.structure.numerical_stiffness,
+    );
+    let along = |row: usize| (all[row][0] - numerical[row][0]) * x_m;
+    let (force_n, moment_n_m) = (along(0), along(1));
+    let [first_m, second_m] = coupled.tracker.coupler.pin_y_m.map(f64::from);
+    let first_n = (moment_n_m + second_m * force_n) / (second_m - first_m);
+    first_n.abs().max((force_n - first_n).abs())
 }
 
 /// What has been seen of a load cell.

@@ -14,6 +14,7 @@ use super::order::{LoopStatus, Order, Outcome, PerActuator, RefusedOrder, Return
 use super::period::Report;
 use super::settings::Wiring;
 use super::setup::{Clock, Setup};
+use super::twice::Twice;
 use super::upload::Upload;
 use super::watchers::{WatchParts, Watchers};
 use super::window::Window;
@@ -98,7 +99,7 @@ pub struct Service {
     /// nobody has timed.
     left_ticks: u32,
     /// The calibration of each actuator and whether somebody has made it.
-    calibrations: PerActuator<(Calibration, bool)>,
+    pub(crate) calibrations: PerActuator<(Twice<Calibration>, bool)>,
     windows: [[Window; 2]; MAX_ACTUATORS],
     mode: Mode,
     tick: u32,
@@ -143,7 +144,7 @@ impl Service {
                 .into_iter()
                 .map(|made| {
                     let placeholder = Calibration::placeholder(&board.codes);
-                    (made.unwrap_or(placeholder), made.is_some())
+                    (Twice::new(made.unwrap_or(placeholder)), made.is_some())
                 })
                 .collect(),
             board,
@@ -258,7 +259,8 @@ impl Service {
             (Pending::Calibrate(actuator, calibration, zeroed), _) => {
                 if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
                     // The placeholder takes a calibration back.
-                    *place = (calibration, calibration.is_made(&self.board.codes));
+                    let made = calibration.is_made(&self.board.codes);
+                    *place = (Twice::new(calibration), made);
                 }
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),
@@ -364,7 +366,7 @@ impl Service {
 
     fn identity(&self) -> Reply {
         let board = &self.board;
-        let mut calibrations = self.calibrations.iter().map(|c| c.0);
+        let mut calibrations = self.calibrations.iter().map(|c| *c.0.first());
         Reply::Identity(Identity {
             board: cut(board.name),
             version: cut(env!("CARGO_PKG_VERSION")),

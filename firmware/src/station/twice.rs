@@ -1,6 +1,7 @@
 //! A value that is kept twice: a bit that turns over in one of the copies is seen before the value is used.
 
 /// Two copies of a value.
+#[derive(Clone, Copy, Debug)]
 pub struct Twice<T> {
     copies: [T; 2],
 }
@@ -8,9 +9,7 @@ pub struct Twice<T> {
 impl<T: Copy + PartialEq> Twice<T> {
     /// Both say `value`.
     pub const fn new(value: T) -> Self {
-        Self {
-            copies: [value; 2],
-        }
+        Self { copies: [value; 2] }
     }
 
     /// The value, if the copies agree in it. Which of them is right nobody knows where they do not.

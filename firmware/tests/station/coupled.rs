@@ -18,8 +18,11 @@ const ARM_M: f64 = 0.125;
 const STIFFNESS: [[f64; 2]; 2] = [[104e3, 30e3], [30e3, 96e3]];
 
 /// Actuators that are where they are sent once PERMIT is given, on a coupler with a spring; behind the third output is a wire.
+#[derive(Default)]
 struct Corner {
     stroke_m: [f64; 2],
+    /// What the first load cell is off by, N.
+    off_n: f64,
 }
 
 impl Plant<3> for Corner {
@@ -31,7 +34,7 @@ impl Plant<3> for Corner {
         let (x, turn) = (0.5 * (a + b), (a - b) / (2.0 * ARM_M));
         let [n, moment] = STIFFNESS.map(|row| row[0] * x + row[1] * turn);
         let [first, second] = [0.5 * (n + moment / ARM_M), 0.5 * (n - moment / ARM_M)];
-        [[a, first], [b, second], [0.0, 0.0]]
+        [[a, first + self.off_n], [b, second], [0.0, 0.0]]
     }
 }
 
@@ -50,6 +53,7 @@ impl Bench {
     fn new() -> Self {
         let corner = Corner {
             stroke_m: [5e-5, 2e-5],
+            off_n: 0.0,
         };
         let mut bench = Self {
             board: sim::Bench::new(corner),
@@ -87,7 +91,15 @@ impl Bench {
 
     /// Running a ground motion.
     fn started(test: BoardTest) -> Self {
+        let mut bench = Self::armed(test, 0.0);
+        done(&bench.ask(Command::Event(Event::Start)));
+        bench
+    }
+
+    /// Armed, the first load cell off by `off_n`.
+    fn armed(test: BoardTest, off_n: f64) -> Self {
         let mut bench = Self::new();
+        bench.board.hardware.board.plant.off_n = off_n;
         done(&bench.ask(Command::Configure(test)));
         bench.upload(&pulse());
         for _ in 0..300 {
@@ -95,7 +107,6 @@ impl Bench {
         }
         done(&bench.ask(Command::Event(Event::Arm)));
         bench.until(Mode::Armed);
-        done(&bench.ask(Command::Event(Event::Start)));
         bench
     }
 }
@@ -317,7 +328,7 @@ fn what_such_a_test_does_not_have_is_refused_in_a_sentence() {
 
 #[test]
 fn arming_asks_for_the_calibrations_of_the_two_and_no_more() {
-    let corner = Corner { stroke_m: [0.0; 2] };
+    let corner = Corner::default();
     let mut bench = Bench {
         board: sim::Bench::new(corner),
         request: 0,
@@ -337,4 +348,16 @@ fn arming_asks_for_the_calibrations_of_the_two_and_no_more() {
         bench.board.step();
     }
     done(&bench.ask(Command::Event(Event::Arm)));
+}
+
+#[test]
+fn a_test_of_which_a_load_cell_is_off_by_a_kilonewton_is_not_started() {
+    let mut test = test();
+    test.config.limits.force_stands_m = Some(7e-3);
+    done(&Bench::armed(test.clone(), 0.0).ask(Command::Event(Event::Start)));
+    let mut bench = Bench::armed(test, 1000.0);
+    let (name, said) = refused(bench.ask(Command::Event(Event::Start)));
+    assert_eq!(name, "the force at the start, N");
+    assert!(said.contains("half of limits.force_stands_m"), "{said}");
+    assert_eq!(bench.board.mode(), Mode::Armed);
 }

@@ -550,6 +550,29 @@ fn the_button_ends_what_is_armed_and_nothing_is_armed_or_started_while_it_is_pre
     assert!(!b.permit());
 }
 
+/// There is no test to go on with: what would go on is the ground motion.
+#[test]
+fn the_button_in_the_first_step_of_a_commissioning_signal_ends_it() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    done(&b.event(Event::Stop));
+    let signal = CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Constant,
+        amplitude_m: 0.001,
+        seconds: 5.0,
+    };
+    done(&b.ask(Command::Signal(Some(signal))));
+    b.settle();
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    done(&b.event(Event::Start));
+    b.hardware.broken.hold_pressed = true;
+    b.step();
+    b.step();
+    assert_eq!(b.mode(), Mode::Finished);
+}
+
 // proves: fault.permit_chain, obstacle.fault by chain
 #[test]
 fn a_welded_contact_stands_against_arming() {

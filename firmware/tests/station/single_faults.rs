@@ -384,3 +384,22 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
         done(&b.event(Event::Arm));
     }
 }
+
+/// Bit 22 of the zero makes half of the range three quarters of it, which a calibration may have.
+#[test]
+fn a_wrong_bit_in_what_the_tasks_keep_is_neither_sent_nor_saved_with_a_new_zero() {
+    for copy in [0, 1] {
+        let mut b = loaded(config(), |b| b.turn_over_zero_of_the_tasks(copy, 22));
+        let memory = Some(Obstacle::Fault(Fault::Memory));
+        let zero = Command::Zero {
+            actuator: 0,
+            channel: Channel::Force,
+            value: 0.0,
+        };
+        assert_eq!(obstacle(b.ask(zero.clone())), memory);
+        assert_eq!(obstacle(b.ask(Command::Save)), memory);
+        done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
+        assert!(matches!(b.ask(zero), Reply::Zeroed { .. }));
+        done(&b.ask(Command::Save));
+    }
+}

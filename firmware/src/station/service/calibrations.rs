@@ -3,17 +3,21 @@
 use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
 use crate::station::settings::Wiring;
+use crate::station::twice::Twice;
 use link::channel::{Calibration, ChannelCalibration};
 use link::command::{BoardTest, Channel};
 use link::limits::CalibratedRange;
 use link::reply::{Obstacle, RefusedParameter, Reply};
-use outerloop_core::Mode;
+use outerloop_core::{Fault, Mode};
+
+/// The copies of a calibration differ; a whole one, or a reset, mends it.
+const WRONG_BIT: Option<Obstacle> = Some(Obstacle::Fault(Fault::Memory));
 
 impl Service {
     /// What the actuators of a test show, or all of the board's.
     pub(super) fn shown(&self, test: Option<&BoardTest>) -> CalibratedRange {
         let used = self.used(test).iter();
-        CalibratedRange::by_all(used.map(|c| &c.0), &self.board.codes)
+        CalibratedRange::by_all(used.map(|c| c.0.first()), &self.board.codes)
     }
 
     /// Somebody has calibrated the channels of every actuator that the test in force has, or the board.
@@ -22,7 +26,7 @@ impl Service {
     }
 
     /// Of a test of two coupled actuators, nothing hangs on the others.
-    fn used(&self, test: Option<&BoardTest>) -> &[(Calibration, bool)] {
+    fn used(&self, test: Option<&BoardTest>) -> &[(Twice<Calibration>, bool)] {
         let coupled = test.filter(|t| t.coupled.is_some());
         let used = coupled.and_then(|t| self.calibrations.get(..t.actuators()));
         used.unwrap_or(&self.calibrations)
@@ -63,12 +67,16 @@ impl Service {
 
     pub(super) fn zero(&mut self, actuator: u8, channel: Channel, value: f32) -> CommandResult {
         let which = usize::from(actuator);
-        let (Some(&(mut calibration, calibrated)), Some([displacement, force])) =
+        let (Some((own, calibrated)), Some([displacement, force])) =
             (self.calibrations.get(which), self.windows.get(which))
         else {
             return self.no_actuator(actuator);
         };
-        if !calibrated {
+        // The lines that stay are sent again with the one that changes: none with a wrong bit.
+        let Some(&(mut calibration)) = own.agreed() else {
+            return self.reply(self.rejected(None, WRONG_BIT));
+        };
+        if !*calibrated {
             return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
         }
         let window = match channel {
@@ -97,8 +105,11 @@ impl Service {
         if self.test.is_none() && self.calibrations.iter().all(|c| !c.1) {
             return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
         }
-        let wiring = |&(calibration, made): &(Calibration, bool)| {
-            let wiring = Wiring::new(calibration, &self.board.codes);
+        if self.calibrations.iter().any(|c| c.0.agreed().is_none()) {
+            return self.reply(self.rejected(None, WRONG_BIT));
+        }
+        let wiring = |(calibration, made): &(Twice<Calibration>, bool)| {
+            let wiring = Wiring::new(*calibration.first(), &self.board.codes);
             made.then_some(wiring)
         };
         let wirings = self.calibrations.iter().map(wiring).collect();

@@ -67,6 +67,7 @@ impl Service {
         let mut seen = [Seen::default(); MAX_ACTUATORS];
         let each = seen.iter_mut().zip(&report.watched.sent_m);
         for (actuator, ((place, sent_m), (lines, _))) in each.zip(&self.calibrations).enumerate() {
+            let lines = lines.first();
             let [displacement, force] = report.step.codes(actuator).unwrap_or_default();
             // As the control interrupt has it of the same codes.
             *place = [
