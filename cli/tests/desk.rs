@@ -134,6 +134,11 @@ fn as_the_page_says(image: Image, block: usize) {
         for line in lines {
             follow(line, &port, folder.path());
         }
+        for order in ["identify", "status"] {
+            let (status, text) = narrow::told(command(&["board", order, "--port", &port]));
+            assert_eq!(status, Some(0), "{text}");
+            narrow::check(order, &text);
+        }
         for (order, without) in [
             ("identify", "codes"),
             ("status", "mode"),

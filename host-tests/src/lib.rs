@@ -7,6 +7,7 @@ pub mod compensations;
 pub mod data;
 pub mod exam;
 pub mod foresight;
+pub mod frame;
 pub mod loopback;
 pub mod outside;
 pub mod proof;

@@ -1,5 +1,6 @@
 //! What each verb answers, as a [`Document`](crate::document::Document): one file an answer.
 
+mod board;
 mod check;
 mod comparison;
 mod coupled_check;
@@ -12,6 +13,7 @@ mod figures;
 mod identified;
 mod improvement;
 mod next;
+mod played;
 mod section;
 mod served;
 mod summaries;
@@ -22,6 +24,7 @@ mod witness;
 
 pub mod benchmark;
 
+pub use board::{of_identity, of_status};
 pub use check::{CheckSection, of_check};
 pub use comparison::of_compare;
 pub use coupled_check::of_coupled_check;
@@ -31,6 +34,7 @@ pub use diagnosis::{DiagnosisSection, of_diagnosis};
 pub use difference::of_difference;
 pub use identified::of_identify;
 pub use improvement::of_improvements;
+pub use played::of_played;
 pub use section::TestSection;
 pub use served::{SessionSection, of_served};
 pub use sweep::{of_rigs, of_values};

@@ -29,7 +29,7 @@ pub fn of_served(s: &SessionSection<'_>) -> Document {
     if !s.trace.is_empty() {
         tiles(&mut d, s.summary);
         for floor in ShownFloor::all(s.trace) {
-            floor.draw(&mut d, s.trace);
+            floor.draw(&mut d, |i| s.trace.time_s(i));
         }
         energy(&mut d, s.trace);
         if s.test.serve.pace == Pace::Continuous {
@@ -112,8 +112,7 @@ fn tiles(d: &mut Document, s: &SessionSummary) {
 
 /// A quantity over the laboratory's time.
 fn curve_over_time(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
-    let points = history(t.len(), |i| (t.time_s(i), value(i)));
-    Curve::new(colour, points)
+    Curve::new(colour, history(t.len(), |i| (t.time_s(i), value(i))))
 }
 
 /// A plot over the laboratory's time.
@@ -123,14 +122,14 @@ fn in_time(d: &mut Document, shape: PlotShape, label: &str, curves: &[Curve], ca
     });
 }
 
-/// A storey, or a coordinate of two coupled actuators, as it is drawn.
-struct ShownFloor<'a> {
-    heading: String,
+/// What moved, as it is drawn: a storey, a coordinate of two coupled actuators, or the actuator that a signal moved.
+pub(super) struct ShownFloor<'a> {
+    pub heading: String,
     /// Of a thousandth of the target's unit, and of a thousand of the force's.
-    units: [&'static str; 2],
-    target: &'a [f32],
-    displacement: &'a [f32],
-    force: &'a [f32],
+    pub units: [&'static str; 2],
+    pub target: &'a [f32],
+    pub displacement: &'a [f32],
+    pub force: &'a [f32],
 }
 
 impl<'a> ShownFloor<'a> {
@@ -162,20 +161,26 @@ impl<'a> ShownFloor<'a> {
             .collect()
     }
 
-    fn draw(&self, d: &mut Document, t: &Trace) {
+    /// Draws it; `time_s`: of a control step, in the laboratory.
+    pub(super) fn draw(&self, d: &mut Document, time_s: impl Fn(usize) -> f64) {
+        let n = self.target.len();
         let thousandths = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
         let thousands = |i: usize| f64::from(self.force[i]) * 1e-3;
+        let over_time = |colour: Colour, value: &dyn Fn(usize) -> f64| {
+            Curve::new(colour, history(n, |i| (time_s(i), value(i))))
+        };
         let (displacement, force) = (self.displacement, format!("force [{}]", self.units[1]));
         let label = format!("displacement [{}]", self.units[0]);
         d.heading(self.heading.clone());
-        let target = curve_over_time(t, IDEAL, |i| thousandths(self.target, i));
         let curves = [
-            target.named("target").thick(),
-            curve_over_time(t, TESTED, |i| thousandths(displacement, i)).named("measured"),
+            over_time(IDEAL, &|i| thousandths(self.target, i))
+                .named("target")
+                .thick(),
+            over_time(TESTED, &|i| thousandths(displacement, i)).named("measured"),
         ];
-        let caption = "Where the model wanted the specimen, and where it was.";
+        let caption = "Where the specimen was to be, and where it was.";
         in_time(d, TALL, &label, &curves, caption);
-        let apart = curve_over_time(t, WRONG, |i| {
+        let apart = over_time(WRONG, &|i| {
             thousandths(displacement, i) - thousandths(self.target, i)
         });
         let caption = "Measured less target at every control step, on the way, too: an actuator that is late is behind its target.";
@@ -183,12 +188,17 @@ impl<'a> ShownFloor<'a> {
         in_time(d, WIDE, &error, &[apart], caption);
         d.pair(|d| {
             d.figure("What the specimen did: force against displacement.", || {
-                let points = path(t.len(), |i| (thousandths(displacement, i), thousands(i)));
+                let points = path(n, |i| (thousandths(displacement, i), thousands(i)));
                 let curve = [Curve::new(TESTED, points)];
                 plot(HALF, &label, &force, &curve)
             });
-            let over_time = curve_over_time(t, GROUND, thousands);
-            in_time(d, HALF, &force, &[over_time], "Its force.");
+            in_time(
+                d,
+                HALF,
+                &force,
+                &[over_time(GROUND, &thousands)],
+                "Its force.",
+            );
         });
     }
 }

@@ -55,4 +55,4 @@ pub use port::{Port, Serial};
 pub(crate) use setup::{Hold, ready};
 pub use standing::PistonsAt;
 pub use trajectory::Trajectory;
-pub use wording::{describe, describe_words};
+pub use wording::describe_words;

@@ -14,5 +14,6 @@ mod value;
 
 pub use answers::SCHEMAS;
 pub use declared_model::declared_model;
+pub use key::Group;
 pub use list::all;
 pub use render::markdown;

@@ -3,14 +3,16 @@
 mod commission;
 mod desk;
 
-use super::json;
+use super::hand_over_found;
+use crate::answer::{of_identity, of_status};
 use crate::board::{self, Connection, Serial, Timeouts};
-use crate::provenance::WithProvenance;
+use crate::document::Document;
 use clap::{Args, Subcommand};
 use commission::Commission;
 use desk::Desk;
 pub use desk::DeskAnswer;
 use experiment::failure::Failure;
+use experiment::files::look_ahead;
 use link::Calibration;
 use link::command::Channel;
 use schemars::JsonSchema;
@@ -45,12 +47,26 @@ impl Board {
     /// A port that cannot be opened; a board that is silent, of another version, or refuses.
     pub fn run(&self) -> Result<(), Failure> {
         match &self.order {
-            Order::Identify(order) => order.identify(),
-            Order::Status(order) => order.status(),
+            Order::Identify(order) => order.run(|board| {
+                let identity = board::identify(board)?;
+                let document = of_identity(&identity);
+                Ok((identity, document))
+            }),
+            Order::Status(order) => order.run(|board| {
+                let identity = board::identify(board)?;
+                let status = board::status(board)?;
+                let document = of_status(&identity, &status);
+                Ok((status, document))
+            }),
             Order::Calibrate(order) => order.run(),
             Order::Commission(order) => order.run(),
             Order::Desk(order) => order.run(),
-            Order::Clear(order) => order.clear(),
+            Order::Clear(order) => order.run(|board| {
+                board::clear(board)?;
+                let mut document = Document::new("A board was cleared", "", true);
+                document.say("The board is idle.");
+                Ok((Cleared {}, document))
+            }),
         }
     }
 }
@@ -61,6 +77,9 @@ struct Plain {
     /// The board's serial port, e.g. /dev/ttyACM0
     #[arg(long, value_name = "DEV")]
     port: String,
+    /// Write report.html and answer.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -71,49 +90,15 @@ fn connect(device: &str) -> Result<Connection<Serial>, Failure> {
 }
 
 impl Plain {
-    fn identify(&self) -> Result<(), Failure> {
-        let identity = board::identify(&mut connect(&self.port)?)?;
-        if self.json {
-            answer!("{}", json(&WithProvenance::of(&identity))?);
-            return Ok(());
-        }
-        println!(
-            "{}: firmware {} ({}), {} MHz; control at {} Hz, at most {} Hz; a command leaves {} us after its sample; \
-             {} actuators, at most {} floors and {} points of ground motion.",
-            identity.board,
-            identity.version,
-            identity.commit,
-            f64::from(identity.clock_hz) / 1e6,
-            identity.rate_hz,
-            identity.fastest_rate_hz,
-            identity.output_delay_us,
-            identity.actuators(),
-            identity.max_dof,
-            identity.max_points
-        );
-        Ok(())
-    }
-
-    fn status(&self) -> Result<(), Failure> {
-        let connection = &mut connect(&self.port)?;
-        let identity = board::identify(connection)?;
-        let status = board::status(connection)?;
-        if self.json {
-            answer!("{}", json(&WithProvenance::of(&status))?);
-            return Ok(());
-        }
-        println!("{}", board::describe(&identity, &status));
-        Ok(())
-    }
-
-    fn clear(&self) -> Result<(), Failure> {
-        board::clear(&mut connect(&self.port)?)?;
-        if self.json {
-            answer!("{}", json(&WithProvenance::of(&Cleared {}))?);
-        } else {
-            println!("The board is idle.");
-        }
-        Ok(())
+    /// Hands over what the board answers.
+    fn run<T: Serialize>(
+        &self,
+        ask: impl FnOnce(&mut Connection<Serial>) -> Result<(T, Document), Failure>,
+    ) -> Result<(), Failure> {
+        let out = look_ahead::folder(self.out.as_deref(), &["report.html", "answer.json"])?;
+        let (found, document) = ask(&mut connect(&self.port)?)?;
+        let wanted = (out.as_deref(), self.json);
+        hand_over_found(wanted, "answer.json", &found, |_| Ok(document))
     }
 }
 

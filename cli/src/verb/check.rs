@@ -1,10 +1,10 @@
 //! `outerloop check`: whether a test may be run, before it is.
 
 use super::coupled::CoupledCheckRequest;
-use super::{MethodName, MotionArguments, hand_over, json, no_files};
+use super::{MethodName, MotionArguments, hand_over_found};
 use crate::answer::{CheckSection, TestSection, of_check};
 use crate::document::Document;
-use crate::provenance::{WithProvenance, note_seed};
+use crate::provenance::note_seed;
 use crate::terminal::Progress;
 use experiment::Experiment;
 use experiment::failure::Failure;
@@ -103,8 +103,7 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        let text = json(&WithProvenance::of(&whole))?;
-        hand_over((out, self.json), ("check.json", &text), no_files, |page| {
+        hand_over_found((out, self.json), "check.json", &whole, |page| {
             document(&experiment, &whole, page)
         })?;
         let (verdict, reason) = (judgement.verdict, &judgement.reason);

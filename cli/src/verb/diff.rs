@@ -1,10 +1,9 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
-use super::{hand_over, json, no_files};
+use super::hand_over_found;
 use crate::answer::of_difference;
 use crate::archive;
 use crate::difference::Difference;
-use crate::provenance::WithProvenance;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::numbers::percent;
@@ -72,16 +71,11 @@ impl Diff {
                 self.second.display()
             )));
         }
-        let text = json(&WithProvenance::of(&difference))?;
-        hand_over(
-            (out.as_deref(), self.json),
-            ("difference.json", &text),
-            no_files,
-            |page| {
-                let names = [&self.first, &self.second].map(|p| p.display().to_string());
-                Ok(of_difference(&difference, [&first, &second], &names, page))
-            },
-        )?;
+        let wanted = (out.as_deref(), self.json);
+        hand_over_found(wanted, "difference.json", &difference, |page| {
+            let names = [&self.first, &self.second].map(|p| p.display().to_string());
+            Ok(of_difference(&difference, [&first, &second], &names, page))
+        })?;
         let apart = difference.of_displacement();
         match (self.within, apart) {
             (Some(within), Some(share)) if share > within => Err(Failure::test(format!(

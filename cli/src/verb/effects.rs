@@ -1,8 +1,7 @@
 //! `outerloop effects`: every effect by the name that files and answers use.
 
-use super::json;
-use crate::document::table;
-use crate::terminal::output;
+use super::{hand_over, json, no_files};
+use crate::document::{Document, table};
 use experiment::failure::Failure;
 use plant::catalogue;
 use plant::effect::Entry;
@@ -57,38 +56,37 @@ impl Effects {
     /// Prints the list.
     ///
     /// # Errors
-    /// None; the signature is that of every verb.
+    /// A list that cannot be written as JSON.
     pub fn run(&self) -> Result<(), Failure> {
-        if self.json {
-            let all: Vec<_> = catalogue().iter().map(ListedEffect::of).collect();
-            answer!("{}", json(&all)?);
-            return Ok(());
-        }
-        let head = ["family", "effect", "channels", "parameters [unit]"];
-        let mut t = table(&head).with_words(4).of_text();
-        let mut family = "";
-        for e in catalogue() {
-            let same = family == e.family.name();
-            family = e.family.name();
-            let mut parameters: Vec<String> = Vec::new();
-            for p in e.parameters {
-                let text = match p.accept.unit {
-                    "" => p.name.to_owned(),
-                    unit => format!("{} [{unit}]", p.name),
-                };
-                if !parameters.contains(&text) {
-                    parameters.push(text);
-                }
-            }
-            let channels: Vec<_> = e.channels.iter().map(|c| c.name()).collect();
-            t.add_row([
-                if same { "" } else { family }.to_owned(),
-                e.effect.name().to_owned(),
-                channels.join(", "),
-                parameters.join("\n"),
-            ]);
-        }
-        answer!("{}", output::for_reading(&t.to_string()));
-        Ok(())
+        let all: Vec<_> = catalogue().iter().map(ListedEffect::of).collect();
+        let named = ("effects.json", &json(&all)?[..]);
+        hand_over((None, self.json), named, no_files, |page| {
+            Ok(document(&all, page))
+        })
     }
+}
+
+fn document(all: &[ListedEffect], with_page: bool) -> Document {
+    let head = ["family", "effect", "channels", "parameters [unit]"];
+    let mut t = table(&head).with_words(4).of_text();
+    let mut family = "";
+    for e in all {
+        let mut parameters: Vec<String> = Vec::new();
+        for p in &e.parameters {
+            let text = match p.unit {
+                "" => p.name.to_owned(),
+                unit => format!("{} [{unit}]", p.name),
+            };
+            if !parameters.contains(&text) {
+                parameters.push(text);
+            }
+        }
+        let shown = if family == e.family { "" } else { e.family };
+        family = e.family;
+        let (channels, parameters) = (e.channels.join(", "), parameters.join("\n"));
+        t.add_row([shown, e.name, &channels, &parameters]);
+    }
+    let mut d = Document::new("Effects", "What a rig can have.", with_page);
+    d.table(t);
+    d
 }

@@ -1,7 +1,7 @@
 //! `outerloop keys`: every key of a test file.
 
-use super::json;
-use crate::document::table;
+use super::{hand_over, json, no_files};
+use crate::document::{Document, table};
 use crate::keys;
 use crate::terminal::output;
 use experiment::failure::Failure;
@@ -49,27 +49,34 @@ impl Keys {
         }
         if self.markdown {
             answer!("{}", keys::markdown(&groups)?.trim_end());
-        } else if self.json {
-            answer!("{}", json(&groups)?);
-        } else {
-            for group in &groups {
-                let head = ["key", "unit", "default", "accepted", "meaning"];
-                let mut t = table(&head).with_words(5).of_text();
-                for key in &group.keys {
-                    t.add_row([
-                        key.name(),
-                        key.unit,
-                        key.default.as_deref().unwrap_or(""),
-                        &key.accepted,
-                        &key.meaning,
-                    ]);
-                }
-                let text = format!("[{}]  {}\n{t}\n", group.path, group.meaning);
-                answer!("{}", output::for_reading(&text));
-            }
+            return Ok(());
         }
-        Ok(())
+        let named = ("keys.json", &json(&groups)?[..]);
+        hand_over((None, self.json), named, no_files, |page| {
+            Ok(document(&groups, page))
+        })
     }
+}
+
+fn document(groups: &[keys::Group], with_page: bool) -> Document {
+    let mut d = Document::new("Keys of a test file", "", with_page);
+    for group in groups {
+        let heading = format!("[{}]  {}", group.path, group.meaning);
+        d.say(output::for_reading(&heading));
+        let head = ["key", "unit", "default", "accepted", "meaning"];
+        let mut t = table(&head).with_words(5).of_text();
+        for key in &group.keys {
+            t.add_row([
+                key.name(),
+                key.unit,
+                key.default.as_deref().unwrap_or(""),
+                &key.accepted,
+                &key.meaning,
+            ]);
+        }
+        d.table(t);
+    }
+    d
 }
 
 /// Print the JSON Schema of a file or of an answer

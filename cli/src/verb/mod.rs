@@ -22,7 +22,7 @@ pub mod shell;
 pub mod sweep;
 
 use crate::document::Document;
-use crate::provenance::note_seed;
+use crate::provenance::{WithProvenance, note_seed};
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use experiment::Experiment;
 use experiment::failure::Failure;
@@ -207,6 +207,17 @@ fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
         }
         Ok(document)
     })
+}
+
+/// The same where nothing goes beside the page and the JSON, which says where `found` comes from.
+fn hand_over_found(
+    wanted: (Option<&Path>, bool),
+    name: &'static str,
+    found: &impl Serialize,
+    document: impl FnOnce(bool) -> Result<Document, Failure>,
+) -> Result<(), Failure> {
+    let text = json(&WithProvenance::of(found))?;
+    hand_over(wanted, (name, &text), no_files, document)
 }
 
 /// Where a verb has nothing beside the page and its JSON.

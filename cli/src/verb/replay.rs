@@ -1,13 +1,15 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
 use super::rig_arguments::RigArguments;
+use super::{hand_over_found, json};
 use crate::archive;
+use crate::document::{Document, Grade};
 use crate::orders::OrderReplay;
-use crate::provenance::{self, WithProvenance};
+use crate::provenance;
 use crate::site::{RigKind, TestSite};
 use crate::terminal::Progress;
 use experiment::failure::Failure;
-use experiment::files::channels;
+use experiment::files::{channels, look_ahead};
 use experiment::trace::Trace;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,6 +21,9 @@ use std::path::PathBuf;
 pub struct Replay {
     /// The archive: the record.h5 of `run --out`, or the file of `run --archive`
     archive: PathBuf,
+    /// Write report.html and replay.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -45,6 +50,7 @@ impl Replay {
     /// # Errors
     /// No archive; a test on a real rig; another result.
     pub fn run(&self) -> Result<(), Failure> {
+        let out = look_ahead::folder(self.out.as_deref(), &["report.html", "replay.json"])?;
         let archived = archive::load(&self.archive)?;
         let file = self.archive.display();
         if archived.repeat.place == RigKind::Board {
@@ -75,36 +81,43 @@ impl Replay {
             watch_same: watch_is_same(&archived.summary, &run.summary)?,
             ..compare(&archived, &trace)
         };
-        if self.json {
-            answer!("{}", super::json(&WithProvenance::of(&found))?);
-        }
-        match &found.first_difference {
-            None if !found.changed.is_empty() => Err(Failure::test(format!(
-                "{file}: the steps are the same to the bit, and yet the file was changed after it was written: {}",
-                found.changed.join(", ")
-            ))),
-            None if !found.watch_same => Err(Failure::test(format!(
-                "{file}: the steps are the same to the bit, and yet the rig watch says something else of them: compare `watch` of \
-                 `run --json` with the summary in the file; archived by {}, replayed by {}",
-                found.archived_by, found.replayed_by
-            ))),
-            None => {
-                if !self.json {
-                    let watched = match archived.summary["watch"].is_object() {
-                        true => ", and what the rig watch said of them",
-                        false => "",
-                    };
-                    println!(
-                        "{file}: all {} steps of {} channels are the same to the bit{watched}. Archived by {}, replayed by {}.",
-                        found.steps, found.channels, found.archived_by, found.replayed_by
-                    );
-                }
-                Ok(())
+        let outcome = found.outcome(archived.summary["watch"].is_object());
+        let wanted = (out.as_deref(), self.json);
+        hand_over_found(wanted, "replay.json", &found, |page| {
+            let lead = format!("`{file}` was worked out again, and every channel compared.");
+            let mut d = Document::new("An archived test, worked out again", lead, page);
+            match &outcome {
+                Ok(same) => d.verdict(Grade::Good, format!("{file}: {same}.")),
+                // On a terminal it is the error.
+                Err(other) => d.on_page(|d| d.verdict(Grade::Bad, format!("{file}: {other}."))),
             }
-            Some(first) => Err(Failure::test(format!(
-                "{file}: {} values differ, the first of them {first}; archived by {}, replayed by {}",
-                found.values_different, found.archived_by, found.replayed_by
-            ))),
+            let (then, now) = (&found.archived_by, &found.replayed_by);
+            d.say(format!("Archived by {then}, replayed by {now}."));
+            Ok(d)
+        })?;
+        let differs = |other| Failure::test(format!("{file}: {other}"));
+        outcome.map(drop).map_err(differs)
+    }
+}
+
+impl ReplayResult {
+    /// What is the same, or what is not; `watched`: the archive has what a rig watch said.
+    fn outcome(&self, watched: bool) -> Result<String, String> {
+        let (steps, channels, differ) = (self.steps, self.channels, self.values_different);
+        let changed = self.changed.join(", ");
+        match &self.first_difference {
+            Some(first) => Err(format!("{differ} values differ, the first of them {first}")),
+            None if !changed.is_empty() => Err(format!(
+                "the steps are the same to the bit, and yet the file was changed after it was written: {changed}"
+            )),
+            None if !self.watch_same => Err(
+                "the steps are the same to the bit, and yet the rig watch says something else of them: compare `watch` of \
+                 `run --json` with the summary in the file".into()
+            ),
+            None => {
+                let said = if watched { ", and what the rig watch said of them" } else { "" };
+                Ok(format!("all {steps} steps of {channels} channels are the same to the bit{said}"))
+            }
         }
     }
 }
@@ -112,7 +125,7 @@ impl Replay {
 /// True if events and corrections of the rig watch are what the archive has; the diagnosis of the record is not asked again.
 fn watch_is_same(archived: &Value, now: &impl Serialize) -> Result<bool, Failure> {
     // Read back as the archive was.
-    let now: Value = serde_json::from_str(&super::json(now)?)
+    let now: Value = serde_json::from_str(&json(now)?)
         .map_err(|e| Failure::test(format!("the summary of the replay: {e}")))?;
     let parts = ["events", "corrections"];
     Ok({ parts.iter() }.all(|part| archived["watch"][part] == now["watch"][part]))

@@ -1,8 +1,8 @@
 //! `outerloop run`: one closed-loop test.
 
 use super::rig_arguments::RigArguments;
-use super::{CommonArguments, MethodName, json, look_at_page};
-use crate::answer::of_run;
+use super::{CommonArguments, MethodName, hand_over, json};
+use crate::answer::{of_played, of_run};
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
 use crate::orders::{OperatorOrder, OrderRecorder};
@@ -20,7 +20,6 @@ use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::files::{look_ahead, model, output, record_csv};
 use experiment::judged::JudgedRun;
-use experiment::numbers::{length, three};
 use experiment::rig::improvement;
 use experiment::trace::Response;
 use experiment::watch::agreement;
@@ -44,8 +43,8 @@ pub struct Run {
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
-    /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3) and summary.json there, and inputs.csv of a board with
-    /// further inputs
+    /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3; not of a signal) and summary.json there, and inputs.csv of
+    /// a board with further inputs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write everything that is needed to judge and to repeat the test into this file; `outerloop replay` reads it
@@ -105,16 +104,13 @@ impl Run {
         let page = page.map(|trace| (trace, &ran.ideal));
         let mut document = of_run(&experiment, summary, &remarks, page);
         let text = json(&WithProvenance::seeded(summary, self.common.seed))?;
-        self.write(&experiment, &ran, out, [&document.page(), &text])?;
         if let Some(board) = &summary.board {
             document.tell(board.sentence());
         }
-        if self.common.json {
-            answer!("{text}");
-        } else {
-            println!("{}", document.terminal());
-            look_at_page(out);
-        }
+        let archived = self.archived(&experiment, &ran)?;
+        let files = || Ok(ran.files(archived, experiment.test.config.timing.rate_hz));
+        let wanted = (out, self.common.json);
+        hand_over(wanted, ("summary.json", &text), files, |_| Ok(document))?;
         summary.outcome()
     }
 
@@ -192,30 +188,12 @@ impl Run {
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),
         };
-        let with_provenance = WithProvenance::seeded(&played_signal, seed);
-        if let Some(folder) = out {
-            output::write_all(
-                folder,
-                &[
-                    ("record.csv", played.text.clone()),
-                    ("summary.json", json(&with_provenance)?),
-                ],
-            )?;
-        }
-        if self.common.json {
-            answer!("{}", json(&with_provenance)?);
-        } else {
-            println!(
-                "{} steps of {}: up to {} and {} kN.",
-                played.steps,
-                path.display(),
-                length(played.peak_m),
-                three(1e-3 * played.peak_n)
-            );
-            if let Some(folder) = out {
-                println!("The record is in {}", folder.join("record.csv").display());
-            }
-        }
+        let text = json(&WithProvenance::seeded(&played_signal, seed))?;
+        let files = || Ok(vec![("record.csv", played.text.clone())]);
+        let wanted = (out, self.common.json);
+        hand_over(wanted, ("summary.json", &text), files, |page| {
+            Ok(of_played(&path.display().to_string(), &played, page))
+        })?;
         played.early.map_or(Ok(()), |why| {
             Err(Failure::test(format!(
                 "the signal ended early: {why}; what was received is kept"
@@ -223,16 +201,10 @@ impl Run {
         })
     }
 
-    /// Writes what was asked for: the archive, and a folder with the page and the figures.
-    fn write(
-        &self,
-        experiment: &Experiment,
-        ran: &Ran,
-        out: Option<&Path>,
-        [page, figures]: [&str; 2],
-    ) -> Result<(), Failure> {
+    /// The archive, written where it was asked for; nothing of a test whose steps were not kept.
+    fn archived(&self, experiment: &Experiment, ran: &Ran) -> Result<Vec<u8>, Failure> {
         let Some(trace) = &ran.run.trace else {
-            return Ok(());
+            return Ok(Vec::new());
         };
         let archived = archive::to_bytes(&FinishedTest {
             experiment,
@@ -246,21 +218,7 @@ impl Run {
         if let Some(file) = &self.archive {
             output::write(file, &archived)?;
         }
-        let Some(folder) = out else {
-            return Ok(());
-        };
-        let mut files = vec![
-            ("report.html", page.into()),
-            ("record.csv", record_csv::to_csv(trace).into_bytes()),
-            ("record.h5", archived),
-            ("summary.json", figures.into()),
-        ];
-        let board = ran.run.summary.board.as_ref();
-        if let Some(further) = board.and_then(|b| b.further.as_ref()) {
-            let rate_hz = experiment.test.config.timing.rate_hz;
-            files.push(("inputs.csv", further.to_csv(rate_hz).into_bytes()));
-        }
-        output::write_all(folder, &files)
+        Ok(archived)
     }
 }
 
@@ -271,6 +229,21 @@ struct Ran {
     run: JudgedRun,
     /// What the operator asked for.
     orders: Vec<OperatorOrder>,
+}
+
+impl Ran {
+    /// What stands in the folder beside the page and the figures.
+    fn files(&self, archived: Vec<u8>, rate_hz: f64) -> Vec<(&'static str, Vec<u8>)> {
+        let mut files = vec![("record.h5", archived)];
+        if let Some(trace) = &self.run.trace {
+            files.push(("record.csv", record_csv::to_csv(trace).into_bytes()));
+        }
+        let board = self.run.summary.board.as_ref();
+        if let Some(further) = board.and_then(|b| b.further.as_ref()) {
+            files.push(("inputs.csv", further.to_csv(rate_hz).into_bytes()));
+        }
+        files
+    }
 }
 
 /// Asks the diagnosis of the test's record whether it finds what the watch has named.

@@ -38,6 +38,13 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     let record = out.join("record.h5").display().to_string();
     let said = String::from_utf8(outerloop(&["replay", &record]).stdout).unwrap();
     assert!(said.contains("the same to the bit"), "{said}");
+    let again = folder.path().join("again").display().to_string();
+    let page = |file: &str| {
+        let output = outerloop(&["replay", file, "--out", &again]);
+        let page = std::fs::read_to_string(format!("{again}/report.html")).unwrap();
+        (output, page)
+    };
+    assert!(page(&record).1.contains("class=\"verdict good\""));
 
     // One bit of one value of the force: it is found, with its place.
     let mut bytes = std::fs::read(&file).unwrap();
@@ -58,6 +65,9 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     assert_eq!(found["values_different"], 1);
     let first = found["first_difference"].as_str().unwrap();
     assert!(first.starts_with("force_n at step 1234"), "{first}");
+    let (output, page) = page(&file);
+    assert!(page.contains("class=\"verdict bad\"") && page.contains(first));
+    assert!(String::from_utf8_lossy(&output.stderr).contains(first));
 
     let whole = std::fs::read(folder.path().join("out/record.h5")).unwrap();
     let flags: Vec<u32> = h5.dataset("flags_1").unwrap().read().unwrap();

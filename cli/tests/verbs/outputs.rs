@@ -26,7 +26,7 @@ const READ: [&str; 14] = [
 ];
 
 /// Every place that a verb writes to, with a command in which it is one of the inputs.
-const WRITTEN: [(&str, &str, &str); 19] = [
+const WRITTEN: [(&str, &str, &str); 20] = [
     ("run", "--out", "run o/record.csv --out o"),
     ("run", "--archive", "run table1.toml --archive table1.toml"),
     ("compare", "--out", "compare o/compare.json --out o"),
@@ -41,6 +41,7 @@ const WRITTEN: [(&str, &str, &str); 19] = [
         "--out",
         "monte-carlo o/tests.csv --tests 2 --out o",
     ),
+    ("replay", "--out", "replay o/replay.json --out o"),
     (
         "diff",
         "--out",
@@ -97,8 +98,11 @@ const WRITTEN: [(&str, &str, &str); 19] = [
 ];
 
 /// What a verb writes that has no input, or a place that is never there before.
-const WITHOUT_INPUT: [(&str, &str); 3] = [
+const WITHOUT_INPUT: [(&str, &str); 6] = [
     ("demo", "--out"),
+    ("board identify", "--out"),
+    ("board status", "--out"),
+    ("board clear", "--out"),
     ("new", "[FILE]"),
     ("board desk", "--out"),
 ];
@@ -124,6 +128,7 @@ fn laboratory() -> tempfile::TempDir {
         "tests.csv",
         "report.html",
         "difference.json",
+        "replay.json",
         "summary.json",
         "model.toml",
         "rths.json",

@@ -9,6 +9,7 @@ mod board_of_three;
 mod board_served;
 mod comparison_table;
 mod energy_balance;
+mod marths_frame;
 mod methods;
 mod noise;
 mod other_versions;

@@ -125,7 +125,7 @@ impl Marths {
             })
             .collect::<Result<Vec<MarthsRecord>, Failure>>()?;
         if self.targets.is_some() || self.follow.is_some() {
-            return self.by_table(&records);
+            return self.by_table(&records, out.as_deref());
         }
         interrupt::watch();
         let rows = {

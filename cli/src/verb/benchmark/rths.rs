@@ -125,7 +125,7 @@ impl Rths {
             ));
         }
         if let Some(case) = self.case {
-            return self.by_table(usize::from(case) - 1, &records, &rules);
+            return self.by_table(usize::from(case) - 1, &records, &rules, out.as_deref());
         }
         let bench = Benchmark {
             rules: &rules,

@@ -1,7 +1,7 @@
 //! `outerloop board commission`: one actuator after the other, each alone.
 
 use crate::board::Trajectory;
-use crate::document::table;
+use crate::document::{Document, table};
 use crate::scope::Scoped;
 use crate::serve::shear_frame;
 use crate::site::{MovedActuator, TestSite};
@@ -143,14 +143,10 @@ impl Commission {
             wrong(&turn)
         });
         if found.len() > 1 {
-            println!(
-                "{}",
-                described(&found, &test.config.structure.stiffness_n_per_m)
-            );
-            println!(
-                "What was found is in {}.",
-                self.sibling_file("-actuators.toml").display()
-            );
+            let mut d = of_actuators(&found, &test.config.structure.stiffness_n_per_m);
+            let file = self.sibling_file("-actuators.toml");
+            d.say(format!("What was found is in {}.", file.display()));
+            println!("{}", d.terminal());
         }
         played
     }
@@ -228,7 +224,7 @@ struct Actuators<'a> {
 }
 
 /// As a table, beside the declared stiffness of the storeys.
-fn described(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> String {
+fn of_actuators(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> Document {
     let names = ["actuator", "gain", "delay, ms", "lag, ms", "offset, mm"].map(str::to_owned);
     let forces = (1..=found.len()).map(|j| format!("force {j}, kN/mm"));
     let head: Vec<String> = names.into_iter().chain(forces).collect();
@@ -247,10 +243,13 @@ fn described(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> String {
             .chain(forces);
         table.add_row(row.collect::<Vec<_>>());
     }
-    let times = for_the_test_file(found).map_or(String::new(), |lines| format!("\n{lines}"));
-    format!(
-        "{table}\nForces are over the displacement of the actuator that moved; in brackets what the test file declares.{times}"
-    )
+    let mut d = Document::new("What the actuators are", "", false);
+    d.table(table);
+    d.say("Forces are over the displacement of the actuator that moved; in brackets what the test file declares.");
+    if let Some(lines) = for_the_test_file(found) {
+        d.say(lines);
+    }
+    d
 }
 
 /// What the test file says of these actuators' times; `None` where one of them was not identified.

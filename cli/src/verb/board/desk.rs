@@ -6,14 +6,13 @@ use crate::board::desk::{self, DeskRow, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
-use crate::provenance::WithProvenance;
 use crate::site::{RigKind, TestSite};
 use crate::terminal::interrupt;
 use crate::verb::rig_arguments::RigArguments;
-use crate::verb::{MethodName, json};
+use crate::verb::{MethodName, hand_over_found};
 use clap::Args;
 use experiment::failure::Failure;
-use experiment::files::{look_ahead, output};
+use experiment::files::look_ahead;
 use link::reply::Identity;
 use outerloop_core::Method;
 use schemars::JsonSchema;
@@ -102,10 +101,9 @@ impl Desk {
             notes: &self.note,
             rows: &rows,
         };
-        let text = json(&WithProvenance::of(&found))?;
-        let document = of_desk(&identity, self.is_emulated(), &self.note, &rows);
-        output::write_all(&out, &[(FILES[0], document.page()), (FILES[1], text)])?;
-        println!("{}", document.terminal());
+        hand_over_found((Some(&out), false), FILES[1], &found, |_| {
+            Ok(of_desk(&identity, self.is_emulated(), &self.note, &rows))
+        })?;
         let bad = rows.iter().filter(|row| row.verdict == RowVerdict::Bad);
         match bad.clone().next() {
             None => Ok(()),

@@ -178,6 +178,8 @@ fn the_next_test_is_designed_written_played_and_diagnosed_beside_the_first() {
     assert!(played.status.success(), "{said}");
     let told: Value = serde_json::from_slice(&played.stdout).unwrap();
     assert_eq!(told["verdict"], "completed");
+    let page = std::fs::read_to_string(format!("{second}/report.html")).unwrap();
+    assert!(page.contains("Where the specimen was to be"));
     let record = format!("{second}/record.csv");
     let both = ask(&["--train", &record]);
     let actuator = &both["channels"][0];

@@ -4,8 +4,8 @@ use super::super::command_table;
 use super::super::followed::{Followed, FollowedMarthsRow};
 use super::super::shared::refused;
 use super::Marths;
-use crate::provenance::WithProvenance;
-use crate::verb::json;
+use crate::answer::benchmark::of_followed;
+use crate::verb::hand_over_found;
 use benchmarks::marths::RATE_HZ;
 use benchmarks::marths::bench::MarthsRecord;
 use benchmarks::marths::criteria::MEANING;
@@ -20,7 +20,11 @@ const COMMANDS: [&str; 2] = ["command_m", "command2_m"];
 
 impl Marths {
     /// `--targets` and `--follow`: one ground motion.
-    pub(super) fn by_table(&self, records: &[MarthsRecord]) -> Result<(), Failure> {
+    pub(super) fn by_table(
+        &self,
+        records: &[MarthsRecord],
+        out: Option<&Path>,
+    ) -> Result<(), Failure> {
         let [record] = records else {
             return Err(Failure::input(
                 "--targets and --follow: with them goes one ground motion, as in --records ElCentro",
@@ -39,7 +43,7 @@ impl Marths {
         match &self.follow {
             Some(file) => {
                 let commands_m = command_table::commands(file, &targets, &COMMANDS)?;
-                self.judge((file, &commands_m), record)
+                self.judge((file, &commands_m), out, record)
             }
             None => Ok(()),
         }
@@ -48,6 +52,7 @@ impl Marths {
     fn judge(
         &self,
         (file, commands_m): (&Path, &[Vec<f64>]),
+        out: Option<&Path>,
         record: &MarthsRecord,
     ) -> Result<(), Failure> {
         let [first, second] = commands_m else {
@@ -56,34 +61,30 @@ impl Marths {
             ));
         };
         let found = follow::judge(record, [first, second], self.seed).map_err(refused)?;
-        if self.json {
-            let row = FollowedMarthsRow {
-                controller: file.display().to_string(),
-                record: &record.name,
-                j: found,
-                perturbed: 0,
-            };
-            let answer = Followed {
-                rules: "official".to_owned(),
-                seed: self.seed,
-                criteria: MEANING,
-                rows: [row],
-            };
-            answer!("{}", json(&WithProvenance::of(&answer))?);
-            return Ok(());
-        }
-        println!(
-            "{}, the loop not closed: the targets are those of the table, and J8 has no figure.",
-            record.name
-        );
-        let j = &found;
-        let figures = [j.j1_ms, j.j2, j.j3, j.j4_ms, j.j5, j.j6, j.j7, j.j8, j.j9];
-        for (meaning, figure) in MEANING.iter().zip(figures) {
-            if figure.iter().all(|x| x.is_finite()) {
-                println!("{:>15}  {meaning}", both(figure));
-            }
-        }
-        println!("{:>15}  J2 of the true strokes, %", both(j.j2_true));
-        Ok(())
+        let row = FollowedMarthsRow {
+            controller: file.display().to_string(),
+            record: &record.name,
+            j: found,
+            perturbed: 0,
+        };
+        let answer = Followed {
+            rules: "official".to_owned(),
+            seed: self.seed,
+            criteria: MEANING,
+            rows: [row],
+        };
+        hand_over_found((out, self.json), "marths.json", &answer, |page| {
+            let lead = format!(
+                "{}, the loop not closed: the targets are those of the table, and J8 has no figure.",
+                record.name
+            );
+            let j = &found;
+            let figures = [j.j1_ms, j.j2, j.j3, j.j4_ms, j.j5, j.j6, j.j7, j.j8, j.j9];
+            let true_one = ("J2 of the true strokes, %", j.j2_true);
+            let all = MEANING.into_iter().zip(figures).chain([true_one]);
+            let known = all.filter(|(_, figure)| figure.iter().all(|x| x.is_finite()));
+            let known = known.map(|(meaning, figure)| (meaning, both(figure)));
+            Ok(of_followed(lead, known, page))
+        })
     }
 }

@@ -4,8 +4,8 @@ use super::super::command_table;
 use super::super::followed::{Followed, FollowedRthsRow};
 use super::super::shared::refused;
 use super::Rths;
-use crate::provenance::WithProvenance;
-use crate::verb::json;
+use crate::answer::benchmark::of_followed;
+use crate::verb::hand_over_found;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
@@ -24,6 +24,7 @@ impl Rths {
         place: usize,
         records: &[GroundRecord],
         rules: &Rules,
+        out: Option<&Path>,
     ) -> Result<(), Failure> {
         let [record] = records else {
             return Err(Failure::input(
@@ -42,7 +43,7 @@ impl Rths {
             }
             (_, Some(file)) => {
                 let commands_m = command_table::commands(file, &targets, &COMMANDS)?.concat();
-                self.judge((file, &commands_m), record, place, rules)
+                self.judge((file, &commands_m), out, record, place, rules)
             }
             _ => Err(Failure::input(
                 "--case: belongs to --targets or --follow; all four cases are run without it",
@@ -53,47 +54,41 @@ impl Rths {
     fn judge(
         &self,
         (file, commands_m): (&Path, &[f64]),
+        out: Option<&Path>,
         record: &GroundRecord,
         place: usize,
         rules: &Rules,
     ) -> Result<(), Failure> {
         let found = follow::judge(record, place, commands_m, self.seed, rules).map_err(refused)?;
-        if self.json {
-            let row = FollowedRthsRow {
-                controller: file.display().to_string(),
-                case: CASES[place].number,
-                record: &record.name,
-                j: found.j,
-                j2_true: found.j2_true,
-                j4_true: found.j4_true,
-                within_limits: found.within_limits,
-                perturbed: 0,
-                lost: 0,
-            };
-            let answer = Followed {
-                rules: rules.name(),
-                seed: self.seed,
-                criteria: MEANING,
-                rows: [row],
-            };
-            answer!("{}", json(&WithProvenance::of(&answer))?);
-            return Ok(());
-        }
-        println!(
-            "{}, case {}, the loop not closed: the targets are those of the table.",
-            record.name, CASES[place].number
-        );
-        for (meaning, j) in MEANING.iter().zip(found.j) {
-            println!("{:>7}  {meaning}", number(j));
-        }
-        println!(
-            "{:>7}  J2 of the displacement as it was, %",
-            number(found.j2_true)
-        );
-        println!(
-            "{:>7}  J4 of the displacement as it was, %",
-            number(found.j4_true)
-        );
-        Ok(())
+        let row = FollowedRthsRow {
+            controller: file.display().to_string(),
+            case: CASES[place].number,
+            record: &record.name,
+            j: found.j,
+            j2_true: found.j2_true,
+            j4_true: found.j4_true,
+            within_limits: found.within_limits,
+            perturbed: 0,
+            lost: 0,
+        };
+        let answer = Followed {
+            rules: rules.name(),
+            seed: self.seed,
+            criteria: MEANING,
+            rows: [row],
+        };
+        hand_over_found((out, self.json), "rths.json", &answer, |page| {
+            let lead = format!(
+                "{}, case {}, the loop not closed: the targets are those of the table.",
+                record.name, CASES[place].number
+            );
+            let true_ones = [
+                ("J2 of the displacement as it was, %", found.j2_true),
+                ("J4 of the displacement as it was, %", found.j4_true),
+            ];
+            let all = MEANING.into_iter().zip(found.j).chain(true_ones);
+            let all = all.map(|(meaning, j)| (meaning, number(j)));
+            Ok(of_followed(lead, all, page))
+        })
     }
 }

@@ -1,0 +1,16 @@
+//! A controller from outside, judged by its table of commands.
+
+use crate::document::{Document, table};
+
+/// What the table came to: each criterion's meaning, and its figure.
+pub fn of_followed<'a>(
+    lead: String,
+    figures: impl Iterator<Item = (&'a str, String)>,
+    with_page: bool,
+) -> Document {
+    let mut d = Document::new("A table of commands", "", with_page);
+    d.say(lead);
+    let rows = figures.map(|(meaning, figure)| vec![meaning.to_owned(), figure]);
+    d.table(table(&["criterion", "figure"]).of_text().with_rows(rows));
+    d
+}
