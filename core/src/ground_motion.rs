@@ -72,6 +72,14 @@ impl<'a> GroundMotion<'a> {
         here + fraction * (next - here)
     }
 
+    /// Whether it is the same memory, laid over the steps in the same way; the points are not compared.
+    #[inline]
+    pub fn is(&self, other: &Self) -> bool {
+        core::ptr::eq(self.points_m_per_s2, other.points_m_per_s2)
+            && self.points_per_step == other.points_per_step
+            && self.steps == other.steps
+    }
+
     /// Integration steps until the record has ended.
     #[inline]
     pub fn steps(&self) -> u32 {
@@ -92,6 +100,16 @@ mod tests {
         assert!((g.at(60) - 0.0).abs() < 1e-6);
         assert!((g.at(80) + 4.0).abs() < 1e-5);
         assert_eq!(g.at(u32::MAX), 0.0);
+    }
+
+    #[test]
+    fn the_same_numbers_in_another_memory_or_at_another_pace_are_another_motion() {
+        let (points, others) = ([0.0, 4.0, -4.0], [0.0, 4.0, -4.0]);
+        let laid = |points, interval_s| GroundMotion::new(points, interval_s, 0.0005).unwrap();
+        let motion = laid(&points, 0.02);
+        assert!(motion.is(&laid(&points, 0.02)));
+        assert!(!motion.is(&laid(&others, 0.02)) && !motion.is(&laid(&points, 0.01)));
+        assert!(!motion.is(&laid(&points[..2], 0.02)));
     }
 
     #[test]

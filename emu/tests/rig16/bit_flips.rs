@@ -3,6 +3,7 @@
 use crate::desk::{Bench, Desk, codes, image};
 use emu::flips::{Outcome, Table, Target, Trials, run};
 use emu::{CoreBits, Firmware, LoggedEvent};
+use link::frame::checksum;
 use link::{Calibration, Command};
 use outerloop_core::{Event, Fault, Mode};
 
@@ -92,27 +93,8 @@ fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
     assert!(!desk.status().permit);
 }
 
-/// The addresses, in what the control interrupt owns, of the second lowest byte of the code at which the command is zero: those that hold
-/// it for three codes in turn.
-fn zero_codes(desk: &mut Desk, processor: &CoreBits) -> Vec<u64> {
-    for zero_code in [32_767.5_f32, 32_700.0, 32_640.0] {
-        let mut calibration = Calibration::nominal(&codes());
-        calibration.command.zero_code = zero_code;
-        desk.order(Command::Calibrate(0, calibration));
-        for _ in 0..40 {
-            desk.step();
-        }
-        processor.holds(zero_code.to_le_bytes()[1]);
-        for _ in 0..40 {
-            desk.step();
-        }
-    }
-    processor.sought()
-}
-
-// proves: fault.memory by turn_over_byte
-#[test]
-fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
+/// A board of which the control interrupt's memory is searched.
+fn searched() -> (Desk, CoreBits) {
     let firmware = Firmware::read(image()).expect("an image");
     let processor = CoreBits::default();
     processor.seek(firmware.variable("7CONTROL"));
@@ -124,32 +106,90 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
     for _ in 0..40 {
         desk.step();
     }
-    let copies = zero_codes(&mut desk, &processor);
+    (desk, processor)
+}
+
+/// Of what is searched, the byte now holds `byte`.
+fn holds(desk: &mut Desk, processor: &CoreBits, byte: u8) {
+    for _ in 0..40 {
+        desk.step();
+    }
+    processor.holds(byte);
+    for _ in 0..40 {
+        desk.step();
+    }
+}
+
+/// Turns `bit` of a byte over in a running test, which has to trip before the command has moved by it.
+fn trips_at_once(desk: &mut Desk, processor: &CoreBits, address: u64, bit: u32) {
+    desk.start();
+    desk.until(Mode::Running);
+    for _ in 0..100 {
+        assert_eq!(desk.step().mode(), Some(Mode::Running));
+    }
+    let before = desk.log().seen.len();
+    processor.turn_over_byte(address, bit);
+    for _ in 0..100 {
+        desk.step();
+    }
+    let status = desk.status();
+    assert_eq!(status.trip.map(|t| t.fault), Some(Fault::Memory));
+    assert!(!status.permit);
+    let seen = desk.log().seen;
+    let commands = seen[before - 20..].iter().filter_map(|(_, s)| match s {
+        LoggedEvent::Command(code) => Some(*code),
+        _ => None,
+    });
+    let commands: Vec<u16> = commands.collect();
+    let steps = commands.windows(2).map(|w| w[1].abs_diff(w[0]));
+    assert!(steps.max().expect("commands") < 40, "{commands:?}");
+    desk.order(Command::Event(Event::Clear));
+}
+
+// proves: fault.memory by turn_over_byte
+#[test]
+fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
+    let (mut desk, processor) = searched();
+    for zero_code in [32_767.5_f32, 32_700.0, 32_640.0] {
+        let mut calibration = Calibration::nominal(&codes());
+        calibration.command.zero_code = zero_code;
+        desk.order(Command::Calibrate(0, calibration));
+        holds(&mut desk, &processor, zero_code.to_le_bytes()[1]);
+    }
+    let copies = processor.sought();
+    assert_eq!(copies.len(), 2, "{copies:x?}");
+    // Bit 23 of the number: half the stroke.
+    for address in copies {
+        trips_at_once(&mut desk, &processor, address + 1, 7);
+    }
+}
+
+/// Eight points of the ground motion more in each step: the earthquake is over.
+#[test]
+fn a_wrong_bit_in_the_pace_of_the_ground_motion_trips() {
+    let (mut desk, processor) = searched();
+    desk.load();
+    for interval_s in [0.01, 0.02, 0.005, 0.04] {
+        desk.order(Command::Motion {
+            points: 2,
+            interval_s,
+            checksum: checksum([0; 8]),
+        });
+        desk.order(Command::Points {
+            first: 0,
+            points: [0.0; 2].into_iter().collect(),
+        });
+        // Points in a step, times 2^32, are what is kept.
+        let points_a_step = 0.0005 / interval_s * 4_294_967_296.0;
+        holds(
+            &mut desk,
+            &processor,
+            (points_a_step as u32).to_le_bytes()[3],
+        );
+    }
+    let copies = processor.sought();
     assert_eq!(copies.len(), 2, "{copies:x?}");
     for address in copies {
-        desk.start();
-        desk.until(Mode::Running);
-        for _ in 0..100 {
-            assert_eq!(desk.step().mode(), Some(Mode::Running));
-        }
-        let before = desk.log().seen.len();
-        // Bit 23 of the number: half the stroke.
-        processor.turn_over_byte(address + 1, 7);
-        while desk.step().mode() == Some(Mode::Running) {}
-        for _ in 0..100 {
-            desk.step();
-        }
-        let status = desk.status();
-        assert_eq!(status.trip.map(|t| t.fault), Some(Fault::Memory));
-        assert!(!status.permit);
-        let seen = desk.log().seen;
-        let commands = seen[before - 20..].iter().filter_map(|(_, s)| match s {
-            LoggedEvent::Command(code) => Some(*code),
-            _ => None,
-        });
-        let commands: Vec<u16> = commands.collect();
-        let steps = commands.windows(2).map(|w| w[1].abs_diff(w[0]));
-        assert!(steps.max().expect("commands") < 40, "{commands:?}");
-        desk.order(Command::Event(Event::Clear));
+        trips_at_once(&mut desk, &processor, address + 1, 3);
     }
 }

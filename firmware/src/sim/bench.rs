@@ -154,6 +154,13 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
+    /// How the ground motion is laid over the steps is wrong in one of its two copies.
+    pub fn spoil_motion(&mut self, copy: usize) {
+        if let Some(motion) = &mut self.station.motion {
+            motion.spoil(copy);
+        }
+    }
+
     /// One control period, and what the tasks do in it; its report.
     pub fn step(&mut self) -> Report {
         self.period();

@@ -3,6 +3,7 @@
 //! 64 KiB are too much to have twice. Whoever holds a [`Writable`] may write; whoever holds a [`Loaded`] may read; each
 //! turns into the other, and there is only one.
 
+use super::twice::Twice;
 use core::cell::UnsafeCell;
 use link::command::MAX_POINTS;
 use outerloop_core::GroundMotion;
@@ -56,7 +57,7 @@ impl Writable {
         match motion {
             Some(motion) => Ok(Loaded {
                 memory: self.0,
-                motion,
+                motion: Twice::new(Laid(motion)),
                 count,
                 interval_s,
             }),
@@ -65,18 +66,41 @@ impl Writable {
     }
 }
 
-/// The right to read a whole ground motion.
+/// A ground motion as it is laid over the steps.
+#[derive(Clone, Copy)]
+struct Laid(GroundMotion<'static>);
+
+impl PartialEq for Laid {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is(&other.0)
+    }
+}
+
+/// The right to read a whole ground motion. How it is laid over the steps is kept twice: one bit of its pace is another earthquake.
 pub struct Loaded {
     memory: &'static Points,
-    motion: GroundMotion<'static>,
+    motion: Twice<Laid>,
     count: usize,
     interval_s: f64,
 }
 
 impl Loaded {
     /// The ground motion.
-    pub fn motion(&self) -> &GroundMotion<'_> {
-        &self.motion
+    pub const fn motion(&self) -> &GroundMotion<'_> {
+        &self.motion.first().0
+    }
+
+    /// Both copies say the same of it.
+    pub fn is_remembered(&self) -> bool {
+        self.motion.agreed().is_some()
+    }
+
+    /// One of the copies is wrong: by it there is no ground motion.
+    #[cfg(not(target_os = "none"))]
+    pub fn spoil(&mut self, copy: usize) {
+        if let Some(laid) = self.motion.both().get_mut(copy) {
+            laid.0 = GroundMotion::none();
+        }
     }
 
     /// Number of points.

@@ -40,7 +40,7 @@ pub type ReportQueue = Queue<Report, 128>;
 /// What the interrupt owns on a board with `A` actuators.
 pub struct Station<const A: usize = 1> {
     pub(super) setup: &'static mut Setup,
-    pub(super) motion: Option<Loaded>,
+    pub(crate) motion: Option<Loaded>,
     pub(super) signal: Option<Generator>,
     /// The points in the memory are a commissioning signal's, and no ground motion.
     pub(super) points_are_commands: bool,
@@ -188,7 +188,8 @@ impl<const A: usize> Station<A> {
         });
         let fresh = codes.is_some();
         self.sampled |= fresh;
-        let remembered = self.calibrations.agreed().is_some();
+        let remembered = self.calibrations.agreed().is_some()
+            && self.motion.as_ref().is_none_or(Loaded::is_remembered);
         let fault = self.fault(hardware, remembered, starved, late);
         let chain_open = !hardware.permit_chain_closed();
 
@@ -196,7 +197,7 @@ impl<const A: usize> Station<A> {
         let commissioning_m = self.commissioning_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
-        // By a calibration with a wrong bit nothing is sent: the outputs stay where they are.
+        // By a number with a wrong bit nothing is sent: the outputs stay where they are.
         let known = self.sampled && remembered;
         let (calibrations, output) = (self.calibrations.first(), &mut self.output);
         let time = &mut self.setup.time;

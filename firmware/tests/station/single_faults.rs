@@ -385,6 +385,22 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
     }
 }
 
+// proves: fault.memory by spoil_motion
+#[test]
+fn a_ground_motion_that_is_laid_over_the_steps_in_another_way_trips() {
+    for copy in [0, 1] {
+        trips(Fault::Memory, 0, |b| b.spoil_motion(copy));
+        let mut b = loaded(config(), |b| b.spoil_motion(copy));
+        let memory = Some(Obstacle::Fault(Fault::Memory));
+        assert_eq!(obstacle(b.event(Event::Arm)), memory);
+        b.upload(&pulse(), 0.01);
+        for _ in 0..300 {
+            b.step();
+        }
+        done(&b.event(Event::Arm));
+    }
+}
+
 /// Bit 22 of the zero makes half of the range three quarters of it, which a calibration may have.
 #[test]
 fn a_wrong_bit_in_what_the_tasks_keep_is_neither_sent_nor_saved_with_a_new_zero() {
