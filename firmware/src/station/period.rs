@@ -178,18 +178,10 @@ impl<const A: usize> Station<A> {
         // Sample. A converter that does not answer shows its last codes, and they are not fresh.
         let codes = hardware.codes();
         self.codes = codes.unwrap_or(self.codes);
-        let read: [[f32; 2]; A] = core::array::from_fn(|actuator| {
-            let ([displacement, force], lines) =
-                (self.codes[actuator], &self.calibrations.first()[actuator]);
-            [
-                lines.displacement.quantity(displacement),
-                lines.force.quantity(force),
-            ]
-        });
+        let read = self.readings();
         let fresh = codes.is_some();
         self.sampled |= fresh;
-        let remembered = self.calibrations.agreed().is_some()
-            && self.motion.as_ref().is_none_or(Loaded::is_remembered);
+        let remembered = self.remembers();
         let fault = self.fault(hardware, remembered, starved, late);
         let chain_open = !hardware.permit_chain_closed();
 
@@ -250,6 +242,26 @@ impl<const A: usize> Station<A> {
             None => hardware.feed(),
             Some(task) => hardware.starving(task, self.tick, self.mode()),
         }
+    }
+
+    /// Displacement and force of each actuator, m and N, by the last codes.
+    #[inline]
+    fn readings(&self) -> [[f32; 2]; A] {
+        core::array::from_fn(|actuator| {
+            let ([displacement, force], lines) =
+                (self.codes[actuator], &self.calibrations.first()[actuator]);
+            [
+                lines.displacement.quantity(displacement),
+                lines.force.quantity(force),
+            ]
+        })
+    }
+
+    /// What is kept twice says the same twice.
+    #[inline]
+    fn remembers(&self) -> bool {
+        let laid = self.motion.as_ref();
+        self.calibrations.agreed().is_some() && laid.is_none_or(Loaded::is_remembered)
     }
 
     /// What the station has to report with the sample. A starved task means that nothing of the PC is received any more.
