@@ -67,7 +67,7 @@ faults! {
     Output = 16, "output", "";
     /// Two transducers of the displacement disagree.
     Disagree = 17, "disagree", "";
-    /// The force stood at zero while the displacement moved: the load cell is dead.
+    /// The force stood, at zero or anywhere else, or came and went, while the displacement moved: the load cell is dead.
     ForceStands = 18, "force_stands", "";
     /// A task of the board has not run for too long: the program hangs, and the watchdog is about to reset the chip.
     Starved = 19, "starved", "";
