@@ -128,8 +128,6 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     history: History<N>,
     predictor: Predictor<N>,
     rig: R,
-    /// Last change of where the actuator was sent, m per control step, where there is a predictor.
-    aimed_step_m: [f32; N],
     /// By how much the last target was led, m.
     lead_m: [f32; N],
     /// Acceleration by which it was, m per control step squared.
@@ -165,7 +163,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             sent_m: [0.0; N],
             aimed_m: [0.0; N],
             target_m: [0.0; N],
-            aimed_step_m: [0.0; N],
             lead_m: [0.0; N],
             lead_acceleration_m: [0.0; N],
             resume_share: 0.0,

@@ -112,10 +112,9 @@ impl<const N: usize> SignalGenerator<N> {
         })
     }
 
-    /// Goes on from `position_m` at `velocity_m` a control step, e.g. to slow down from what was really sent.
-    pub fn start_from(&mut self, position_m: [f32; N], velocity_m: [f32; N]) {
+    /// Goes on from `position_m` at the velocity that it has, e.g. to slow down from what was really sent.
+    pub fn start_from(&mut self, position_m: [f32; N]) {
         self.command_m = position_m;
-        self.velocity_m = velocity_m;
     }
 
     /// The last target has been reached: the sample belongs to it and the next step can be solved.

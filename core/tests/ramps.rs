@@ -5,7 +5,8 @@ mod common;
 
 use common::{Rig, ground, shaking, started, stopping_and_going, table1};
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, Method, Mode, OBSTACLE_STEPS, OuterLoop, Sample, flag,
+    Design, Event, Fault, GroundMotion, Method, Mode, OBSTACLE_STEPS, OuterLoop, Prediction,
+    Sample, flag,
 };
 
 const RECORD_S: f64 = 6.0;
@@ -161,4 +162,77 @@ fn a_force_that_is_read_late_or_early_does_not_move_the_start() {
             assert!((record.force_n[0] - 3160.0).abs() < 1.0);
         }
     }
+}
+
+/// Noise of the force reaches the command behind these predictors, and its change from one step to the next is no speed.
+#[test]
+fn the_ramp_to_a_hold_is_as_long_whatever_noise_a_predictor_hands_on() {
+    let points = shaking(RECORD_S);
+    for predictor in [Prediction::Hydraulic, Prediction::Afp] {
+        let mut config = table1();
+        config.compensation.kind = Method::None.behind(predictor);
+        config.compensation.delay_ms = 20.0.into();
+        let ways = [1_u32, 2, 3, 4, 5].map(|seed| {
+            let mut rig = Rig::new(40);
+            let mut outer = started(&config, &mut rig, &ground(&points));
+            let mut dice = seed;
+            for _ in 0..4000 {
+                let mut sample = rig.sample();
+                dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // 100 N rms.
+                sample.force_n[0] += 173.0 * ((dice >> 8) as f32 / 8_388_608.0 - 1.0);
+                rig.sent = outer.step(&sample, &ground(&points)).command_m[0];
+            }
+            let from = rig.sent;
+            outer.handle(Event::Hold).unwrap();
+            for _ in 0..4000 {
+                rig.step(&mut outer, &ground(&points));
+            }
+            assert_eq!(outer.mode(), Mode::Holding);
+            rig.sent - from
+        });
+        let (least, most) = (
+            ways.iter().copied().reduce(f32::min),
+            ways.iter().copied().reduce(f32::max),
+        );
+        let apart = most.unwrap() - least.unwrap();
+        println!("{predictor:?}: {ways:?}");
+        assert!(apart < 3e-3, "{predictor:?}: {apart} m apart of {ways:?}");
+    }
+}
+
+/// While the prediction comes back by and by, what is not sent yet is taken for no delay.
+#[test]
+fn nothing_is_learnt_on_the_way_back_from_a_hold() {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    config.compensation.kind = Method::None.behind(Prediction::Afp);
+    config.compensation.delay_ms = 30.0.into();
+    config.timing.approach_m_per_s = 0.2;
+    let mut rig = Rig::new(60);
+    let mut outer = started(&config, &mut rig, &ground(&points));
+    let (mut before_m, mut behind_m, mut ran) = (0.0_f32, 0.0_f32, 0);
+    for i in 0..12_000 {
+        match i {
+            5000 => drop(outer.handle(Event::Hold).unwrap()),
+            7000 => drop(outer.handle(Event::Start).unwrap()),
+            _ => {}
+        }
+        let record = rig.step(&mut outer, &ground(&points)).record;
+        let off_m = (record.displacement_m[0] - record.command_m[0]).abs();
+        match (i, outer.mode()) {
+            (2000..5000, _) => before_m = before_m.max(off_m),
+            (7000.., Mode::Running) if ran < 1000 => {
+                ran += 1;
+                behind_m = behind_m.max(off_m);
+            }
+            _ => {}
+        }
+    }
+    println!("{before_m} m before the hold, {behind_m} m behind it");
+    // 7.9 mm where it learns.
+    assert!(
+        ran == 1000 && before_m < 1e-4 && behind_m < 2e-3,
+        "{behind_m}"
+    );
 }

@@ -2,7 +2,7 @@
 //! board, in this process and in one thread. A read runs the board on by some steps.
 
 use firmware::sim::{Bench, Plant};
-use firmware::station::Heartbeat;
+use firmware::station::{Heartbeat, Report};
 use link::frame::{Decoder, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::NumberedReply;
@@ -98,6 +98,8 @@ pub struct Loopback<const A: usize = 1> {
     pub drop_frames: usize,
     /// Steps whose digest has a wrong bit from now on, as if the board had worked out another step.
     pub wrong_bits: usize,
+    /// The board's tasks are away for so many steps from now on; then they take in all that has waited.
+    pub away_steps: usize,
     /// The wire is cut: nothing comes and nothing goes.
     pub cut: bool,
     /// What the PC writes is lost on its way.
@@ -131,6 +133,7 @@ impl<const A: usize> Loopback<A> {
             steps: 0,
             drop_frames: 0,
             wrong_bits: 0,
+            away_steps: 0,
             cut: false,
             is_deaf: false,
             is_noisy: false,
@@ -140,8 +143,27 @@ impl<const A: usize> Loopback<A> {
 
     /// One control step, and what the tasks do after it.
     fn step(&mut self) {
-        let mut report = self.board.step();
+        self.board.period();
         self.steps += 1;
+        if self.away_steps > 0 {
+            self.away_steps -= 1;
+            return;
+        }
+        while let Some(report) = self.board.take_in() {
+            self.report(report);
+        }
+        self.serve();
+        if self
+            .incidents
+            .front()
+            .is_some_and(|(at, _)| self.steps >= *at)
+            && let Some((_, mut happen)) = self.incidents.pop_front()
+        {
+            happen(self);
+        }
+    }
+
+    fn report(&mut self, mut report: Report) {
         if self.wrong_bits > 0 {
             self.wrong_bits -= 1;
             report.step.digest ^= 1;
@@ -154,15 +176,6 @@ impl<const A: usize> Loopback<A> {
             let batch = std::mem::take(&mut self.batch);
             // The second displacement, and each command read back.
             self.send(FrameKind::Telemetry, &batch.encode(A, 1 + A));
-        }
-        self.serve();
-        if self
-            .incidents
-            .front()
-            .is_some_and(|(at, _)| self.steps >= *at)
-            && let Some((_, mut happen)) = self.incidents.pop_front()
-        {
-            happen(self);
         }
     }
 

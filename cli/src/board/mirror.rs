@@ -120,6 +120,13 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
 
     /// Has `observer` judge what the board's rig watch has been given, so that both loops do what it asks for.
     pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
+        // The board's tasks were too late for an answer, which here is never late: the next step says so.
+        let is_late = |s: &StepReport| {
+            s.flags & flag::WATCH_LATE != 0 && s.mode().is_some_and(Mode::integrates)
+        };
+        if self.waiting.as_ref().is_some_and(|(_, next)| is_late(next)) {
+            self.outer.end_watch();
+        }
         self.in_place.judge(&mut self.outer, |blocks, orders| {
             observer.judge(blocks, orders)
         });

@@ -113,12 +113,12 @@ impl<const N: usize> Rig<N> for CoupledRig {
     fn correct(
         &mut self,
         sent_m: &[f32; N],
-        runs: bool,
+        moves: bool,
         displacement_m: &mut [f32; N],
         force_n: &mut [f32; N],
     ) {
         let strokes_m = pair(displacement_m);
-        let (_, interface) = self.tracker.observe(&pair(sent_m), &strokes_m, runs);
+        let (_, interface) = self.tracker.observe(&pair(sent_m), &strokes_m, moves);
         // The arms are those of the reading: a model of the actuators that is wrong must not turn forces.
         let coupler = self.tracker.coupler();
         let [_, turned] = coupler.interface(&strokes_m);

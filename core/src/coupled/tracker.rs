@@ -118,8 +118,8 @@ impl Tracker {
     }
 
     /// Takes in what was sent since the last sample and the measured strokes, before the target of the same sample. Returns
-    /// the estimated strokes and the position of the interface. The plant is identified where the actuators are known to
-    /// follow (`learns`): to valves that are shut every gain looks wrong.
+    /// the estimated strokes and the position of the interface. The plant is identified (`learns`) where the actuators
+    /// are known to follow, and move: to valves that are shut, and beside an offset of a rig that stands, every gain looks wrong.
     pub fn observe(&mut self, sent_m: &Pair, measured_m: &Pair, learns: bool) -> (Pair, Pair) {
         let k = &self.constants;
         let settings = &k.settings.estimate;

@@ -35,7 +35,11 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             target_m: self.target_m[j] + self.lead_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
-            learn: live && usable && !(held && self.post.axis(j).hold),
+            // Where only a share of the prediction is sent, what is missing is no delay.
+            learn: live
+                && usable
+                && self.mode != Mode::Resuming
+                && !(held && self.post.axis(j).hold),
         });
         let mut ahead: [TargetMotion; N] = core::array::from_fn(|j| TargetMotion {
             displacement_m: next_m[j],
@@ -70,9 +74,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
                 self.mode = Mode::Running;
             }
         }
-        for j in 0..N {
-            self.aimed_step_m[j] = send_m[j] - self.aimed_m[j];
-        }
         send_m
     }
 
@@ -96,11 +97,12 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         commands_m
     }
 
-    /// The ramp to a standstill begins at what was sent and not at the target behind it; stop and go sends the target.
+    /// The ramp to a standstill begins at what was sent and not at the target behind it; stop and go sends the target. Its speed is
+    /// the target's: from one command to the next a predictor hands on the noise of the force.
     pub(super) fn stop_at_command(&mut self) {
         let ahead = self.design.predicts && self.pace != Some(Pace::StopAndGo);
         if ahead && self.mode.integrates() {
-            self.signal.start_from(self.aimed_m, self.aimed_step_m);
+            self.signal.start_from(self.aimed_m);
             self.target_m = self.aimed_m;
         }
     }

@@ -163,7 +163,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             history,
             predictor,
             rig,
-            aimed_step_m,
             lead_m,
             lead_acceleration_m,
             resume_share,
@@ -177,7 +176,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         (*trip, *obstacle, *idle_mean_m) = (None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *resume_share, *commissioning_m) = (0.0, 0.0, [0.0; N]);
-        (*target_m, *aimed_step_m, *lead_m) = (*aimed_m, [0.0; N], [0.0; N]);
+        (*target_m, *lead_m) = (*aimed_m, [0.0; N]);
         *lead_acceleration_m = [0.0; N];
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);

@@ -194,8 +194,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
         let runs = self.mode.integrates();
+        // Of a rig that stands, an offset looks like a gain, and more so with each sample.
+        let moves = runs && self.signal.velocity_m().iter().any(|v| *v != 0.0);
         self.rig
-            .correct(&self.sent_m, runs, &mut displacement_m, &mut force_n);
+            .correct(&self.sent_m, moves, &mut displacement_m, &mut force_n);
         if self.post.flags() & flag::ADJUSTED != 0 && runs {
             let velocity_m = self.signal.velocity_m();
             for j in 0..N {

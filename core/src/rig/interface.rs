@@ -45,11 +45,11 @@ pub trait Rig<const N: usize>: Clone + core::fmt::Debug {
 
     /// Puts displacements (m) and forces (N) of the structure's coordinates, true as far as they are known, in the place
     /// of what was read; `sent_m` are the commands that were in force. What the actuators make of them is only to be
-    /// learnt from where the test `runs`: before, nobody knows whether they follow.
+    /// learnt from where they are known to follow and the target `moves`.
     fn correct(
         &mut self,
         sent_m: &[f32; N],
-        runs: bool,
+        moves: bool,
         displacement_m: &mut [f32; N],
         force_n: &mut [f32; N],
     );

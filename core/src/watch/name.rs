@@ -162,11 +162,6 @@ impl Cause {
                 | Self::FrozenForce
         )
     }
-
-    /// The cause with this number.
-    pub fn from_number(number: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(number)).copied()
-    }
 }
 
 /// Causes that a motion does not tell apart, and what a sensor shows beside them.

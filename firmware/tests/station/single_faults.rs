@@ -369,19 +369,27 @@ fn a_command_that_reads_back_a_few_millimetres_off_over_a_long_stroke_is_seen() 
     }
 }
 
+/// Fault 21 stands against arming until the wrong number has been written again.
+fn stands_against_arming_until(harm: impl FnOnce(&mut Bench), written: impl FnOnce(&mut Bench)) {
+    let mut b = loaded(config(), harm);
+    let memory = Some(Obstacle::Fault(Fault::Memory));
+    assert_eq!(obstacle(b.event(Event::Arm)), memory);
+    written(&mut b);
+    for _ in 0..300 {
+        b.step();
+    }
+    done(&b.event(Event::Arm));
+}
+
 // proves: fault.memory by turn_over_zero
 #[test]
 fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
     for (copy, bit) in [(0, 23), (1, 23), (0, 0), (1, 0)] {
-        trips(Fault::Memory, 0, |b| b.turn_over_zero(copy, bit));
-        let mut b = loaded(config(), |b| b.turn_over_zero(copy, bit));
-        let memory = Some(Obstacle::Fault(Fault::Memory));
-        assert_eq!(obstacle(b.event(Event::Arm)), memory);
-        done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
-        for _ in 0..300 {
-            b.step();
-        }
-        done(&b.event(Event::Arm));
+        let harm = |b: &mut Bench| b.turn_over_zero(copy, bit);
+        trips(Fault::Memory, 0, harm);
+        stands_against_arming_until(harm, |b| {
+            done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
+        });
     }
 }
 
@@ -389,15 +397,9 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
 #[test]
 fn a_ground_motion_that_is_laid_over_the_steps_in_another_way_trips() {
     for copy in [0, 1] {
-        trips(Fault::Memory, 0, |b| b.spoil_motion(copy));
-        let mut b = loaded(config(), |b| b.spoil_motion(copy));
-        let memory = Some(Obstacle::Fault(Fault::Memory));
-        assert_eq!(obstacle(b.event(Event::Arm)), memory);
-        b.upload(&pulse(), 0.01);
-        for _ in 0..300 {
-            b.step();
-        }
-        done(&b.event(Event::Arm));
+        let harm = |b: &mut Bench| b.spoil_motion(copy);
+        trips(Fault::Memory, 0, harm);
+        stands_against_arming_until(harm, |b| b.upload(&pulse(), 0.01));
     }
 }
 

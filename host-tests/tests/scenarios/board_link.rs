@@ -73,6 +73,24 @@ pub fn run_by(
     )
 }
 
+/// The board goes on without its rig watch, and so does the loop on the PC, whose watch is never late.
+#[test]
+fn tasks_that_answer_the_rig_watch_too_late_stop_no_test() {
+    let t = test(&["watch.correct=['lateness']"]);
+    let mut busy = loopback(&t);
+    busy.incidents
+        .push_back((6000, Box::new(|board| board.away_steps = 60)));
+    let run = run_on(&t, busy).unwrap();
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!(
+        run.summary.verdict,
+        TestVerdict::Completed,
+        "{}",
+        run.summary.sentence()
+    );
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+}
+
 #[test]
 fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_plant() {
     let t = test(&[]);

@@ -100,51 +100,18 @@ impl Marths {
         let begin = std::time::Instant::now();
         note_seed(self.seed);
         check_plants(self.plants)?;
-        let contestants = match &self.controllers[..] {
-            [] => ALL.iter().map(|c| c.0).collect(),
-            names => names
-                .iter()
-                .map(|n| PairContestant::named(n).map_err(refused))
-                .collect::<Result<Vec<_>, _>>()?,
-        };
-        let data = self.data.as_deref();
-        let mut problem = load(data)?;
+        let contestants = self.contestants()?;
+        let mut problem = load(self.data.as_deref())?;
         if let Some(file) = &self.model {
             problem = problem.with(&physical_part::load(file)?);
         }
         let problem = problem;
-        let records = records
-            .into_iter()
-            .map(|name| {
-                let file = data_file(data, &format!("ground-motion/RTHSBENCH_{name}.csv"));
-                let motion = GroundMotionFile::load(&file, ColumnChoice::default())?;
-                let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
-                problem
-                    .record(name, &points, motion.interval_s)
-                    .map_err(refused)
-            })
-            .collect::<Result<Vec<MarthsRecord>, Failure>>()?;
+        let records = records.into_iter().map(|name| self.record(&problem, name));
+        let records = records.collect::<Result<Vec<MarthsRecord>, Failure>>()?;
         if self.targets.is_some() || self.follow.is_some() {
             return self.by_table(&records, out.as_deref());
         }
-        interrupt::watch();
-        let rows = {
-            let drawn = contestants
-                .iter()
-                .filter(|&&c| c != PairContestant::Perfect)
-                .count();
-            let trials = records.len() * (contestants.len() + drawn * self.plants);
-            let progress = Progress::over("trials", trials as u64);
-            bench::rows(
-                &problem,
-                &records,
-                &contestants,
-                self.plants,
-                self.seed,
-                |n| tell(&progress, n),
-            )
-            .map_err(refused)?
-        };
+        let rows = self.trials(&problem, &records, &contestants)?;
         require_some(rows.len())?;
         let parts = terminal::while_waiting("diagnosing the loop's records", || {
             records
@@ -190,6 +157,48 @@ impl Marths {
             of_marths(&problem, &parts, &rows, &goals, drawn, page)
         })?;
         require_all_ran(ran.0, ran.1)
+    }
+
+    fn contestants(&self) -> Result<Vec<PairContestant>, Failure> {
+        if self.controllers.is_empty() {
+            return Ok(ALL.iter().map(|c| c.0).collect());
+        }
+        let named = self.controllers.iter().map(|n| PairContestant::named(n));
+        named.map(|c| c.map_err(refused)).collect()
+    }
+
+    fn trials(
+        &self,
+        problem: &Problem,
+        records: &[MarthsRecord],
+        contestants: &[PairContestant],
+    ) -> Result<Vec<MarthsRow>, Failure> {
+        let drawn = contestants
+            .iter()
+            .filter(|c| **c != PairContestant::Perfect);
+        let trials = records.len() * (contestants.len() + drawn.count() * self.plants);
+        let progress = Progress::over("trials", trials as u64);
+        let one_done = |n| tell(&progress, n);
+        interrupt::watch();
+        bench::rows(
+            problem,
+            records,
+            contestants,
+            self.plants,
+            self.seed,
+            one_done,
+        )
+        .map_err(refused)
+    }
+
+    /// What the structure does under a ground motion of the problem.
+    fn record(&self, problem: &Problem, name: &str) -> Result<MarthsRecord, Failure> {
+        let file = format!("ground-motion/RTHSBENCH_{name}.csv");
+        let file = data_file(self.data.as_deref(), &file);
+        let motion = GroundMotionFile::load(&file, ColumnChoice::default())?;
+        let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
+        let record = problem.record(name, &points, motion.interval_s);
+        record.map_err(refused)
     }
 
     /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.

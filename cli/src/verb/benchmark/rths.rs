@@ -94,6 +94,9 @@ pub(super) struct Rths {
     out: Option<PathBuf>,
 }
 
+/// Rows of a bench, and of each specimen that yields beside it.
+type Trials = (Vec<RthsRow>, Vec<Vec<RthsRow>>);
+
 impl Rths {
     /// Runs it.
     ///
@@ -107,13 +110,7 @@ impl Rths {
         note_seed(self.seed);
         let rules = self.rules()?;
         check_plants(self.plants)?;
-        let contestants = match &self.controllers[..] {
-            [] => Contestant::all(),
-            names => names
-                .iter()
-                .map(|n| Contestant::named(n).map_err(refused))
-                .collect::<Result<_, _>>()?,
-        };
+        let contestants = self.contestants()?;
         let behaviour = match &self.specimen {
             Some(name) => Behaviour::named(name).map_err(refused)?,
             None => Behaviour::Linear,
@@ -138,27 +135,7 @@ impl Rths {
             None => &[Behaviour::Degrading, Behaviour::Pinched],
             Some(_) => &[],
         };
-        let (rows, yielding) = {
-            let plants = 1 + self.plants + beside.len();
-            let trials = records.len() * CASES.len() * contestants.len() * plants;
-            let progress = Progress::over("trials", trials as u64);
-            let one_done = |n: usize| tell(&progress, n);
-            interrupt::watch();
-            let rows = bench.rows(one_done).map_err(refused)?;
-            let yielding = beside
-                .iter()
-                .map(|&behaviour| {
-                    let records = self.load(&rules, behaviour)?;
-                    let nominal = Benchmark {
-                        records: &records,
-                        plants: 0,
-                        ..bench
-                    };
-                    nominal.rows(one_done).map_err(refused)
-                })
-                .collect::<Result<Vec<_>, Failure>>()?;
-            (rows, yielding)
-        };
+        let (rows, yielding) = self.trials(&bench, beside)?;
         require_some(rows.len())?;
         let mut goals = goals(&rules, &rows);
         let seconds = began.elapsed().as_secs_f64();
@@ -190,6 +167,35 @@ impl Rths {
             |page| of_rths(&bench, &rows, &yielding, &goals, page),
         )?;
         require_all_ran(ran, asked)
+    }
+
+    fn contestants(&self) -> Result<Vec<Contestant>, Failure> {
+        if self.controllers.is_empty() {
+            return Ok(Contestant::all());
+        }
+        let named = self.controllers.iter().map(|n| Contestant::named(n));
+        named.map(|c| c.map_err(refused)).collect()
+    }
+
+    /// The rows of `bench`, and those of the nominal rig with each specimen `beside` it.
+    fn trials(&self, bench: &Benchmark<'_>, beside: &[Behaviour]) -> Result<Trials, Failure> {
+        let plants = 1 + self.plants + beside.len();
+        let trials = bench.records.len() * CASES.len() * bench.contestants.len() * plants;
+        let progress = Progress::over("trials", trials as u64);
+        let one_done = |n: usize| tell(&progress, n);
+        interrupt::watch();
+        let rows = bench.rows(one_done).map_err(refused)?;
+        let nominal = beside.iter().map(|&behaviour| {
+            let records = self.load(bench.rules, behaviour)?;
+            let nominal = Benchmark {
+                records: &records,
+                plants: 0,
+                ..*bench
+            };
+            nominal.rows(one_done).map_err(refused)
+        });
+        let yielding = nominal.collect::<Result<Vec<_>, Failure>>()?;
+        Ok((rows, yielding))
     }
 
     fn rules(&self) -> Result<Rules, Failure> {
