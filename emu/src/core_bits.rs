@@ -34,15 +34,12 @@ pub(crate) enum CoreBit {
     },
 }
 
-/// Priorities of interrupts, a byte each (ARMv7-M, B3.4.9).
-const PRIORITIES: u64 = 0xe000_e400;
-
 #[derive(Debug, Default)]
 struct Asked {
     turn: Option<CoreBit>,
     stack_pointer: u64,
-    /// Interrupts whose priority is asked for, with what was found last.
-    priorities: BTreeMap<u16, Option<u8>>,
+    /// Registers of the processor's own peripherals that are looked at, with what was found last.
+    system: BTreeMap<u64, Option<u64>>,
     /// Every value of BASEPRI that was seen.
     masks: BTreeSet<u8>,
     /// Bytes among which one is sought, and what it holds now.
@@ -69,6 +66,12 @@ impl CoreBits {
         self.turn_over(CoreBit::Memory { address, bit });
     }
 
+    /// Turns a bit of a register of the processor's own peripherals over before the next instruction; none that counts.
+    pub fn turn_over_system(&self, address: u64, bit: u32) {
+        let at = VirtualNanos(0);
+        self.turn_over(CoreBit::System { address, bit, at });
+    }
+
     /// Has a byte sought among these.
     pub fn seek(&self, ranges: impl IntoIterator<Item = Range<u64>>) {
         self.asked().sought = ranges.into_iter().flatten().collect();
@@ -89,14 +92,14 @@ impl CoreBits {
         self.asked().stack_pointer
     }
 
-    /// Has the priorities of these interrupts looked at while the processor runs.
-    pub fn look_at_priorities(&self, interrupts: &[u16]) {
-        self.asked().priorities = interrupts.iter().map(|&i| (i, None)).collect();
+    /// Has these registers of the processor's own peripherals looked at while it runs.
+    pub fn look_at(&self, registers: impl IntoIterator<Item = u64>) {
+        self.asked().system = registers.into_iter().map(|at| (at, None)).collect();
     }
 
-    /// The priorities as they were last, by interrupt.
-    pub fn priorities(&self) -> BTreeMap<u16, Option<u8>> {
-        self.asked().priorities.clone()
+    /// What was found in one of them last.
+    pub fn found(&self, register: u64) -> Option<u64> {
+        self.asked().system.get(&register).copied().flatten()
     }
 
     /// What critical sections have masked so far: the values of BASEPRI between two stretches of instructions.
@@ -127,11 +130,8 @@ impl CoreBits {
         asked
             .masks
             .extend(mask.and_then(|bytes| bytes.first().copied()));
-        for (interrupt, priority) in &mut asked.priorities {
-            let address = PRIORITIES + u64::from(*interrupt);
-            let word = address & !3;
-            let held = processor.debugger_access(None, word, Width::W32, VirtualNanos(0));
-            *priority = held.map(|held| (held >> (8 * (address - word))) as u8);
+        for (register, found) in &mut asked.system {
+            *found = processor.debugger_access(None, *register, Width::W32, VirtualNanos(0));
         }
     }
 }

@@ -61,9 +61,13 @@ pub const GPIOD_BSRR: u64 = 0x4002_0c18;
 pub const GPIOD_AFRH: u64 = 0x4002_0c24;
 pub const GPIOF_MODER: u64 = 0x4002_1400;
 pub const GPIOF_BSRR: u64 = 0x4002_1418;
+pub const DBGMCU_APB1_FZ: u64 = 0xe004_2008;
+
+/// DBG_IWDG_STOP: the watchdog stands while a debugger halts the core.
+const WATCHDOG_STANDS: u64 = 1 << 12;
 
 /// Every register that is kept.
-pub(crate) const KEPT: [u64; 44] = [
+pub(crate) const KEPT: [u64; 45] = [
     ADC2_CR1,
     ADC2_CR2,
     ADC2_SMPR1,
@@ -108,6 +112,7 @@ pub(crate) const KEPT: [u64; 44] = [
     GPIOD_MODER,
     GPIOD_AFRH,
     GPIOF_MODER,
+    DBGMCU_APB1_FZ,
 ];
 
 /// A field of a register, what it must hold, and what fails on the metal where it does not.
@@ -191,7 +196,7 @@ const EDGE: Demand = demand(
 );
 
 /// Without these a guard is not what it seems, with whichever converters.
-pub const GUARDS: [Demand; 8] = [
+pub const GUARDS: [Demand; 9] = [
     demand(
         "GPIOE_MODER.PE9",
         GPIOE_MODER,
@@ -247,6 +252,13 @@ pub const GUARDS: [Demand; 8] = [
         1 << 16,
         1 << 16,
         "a falling supply interrupts nobody",
+    ),
+    demand(
+        "DBGMCU_APB1_FZ.DBG_IWDG_STOP",
+        DBGMCU_APB1_FZ,
+        WATCHDOG_STANDS,
+        0,
+        "PERMIT stays where a debugger has halted the core",
     ),
 ];
 
@@ -313,11 +325,13 @@ impl Registers {
         takes
     }
 
-    /// What the register holds; reset values are zero but for what debugging needs of ports A and B.
+    /// What the register holds; reset values are zero but for what debugging needs of ports A and B, and for what a debugger has
+    /// left: no reset takes that back.
     pub fn read(&self, address: u64) -> u64 {
         let at_reset = match address {
             GPIOA_MODER => 0xa800_0000,
             GPIOB_MODER => 0x280,
+            DBGMCU_APB1_FZ => WATCHDOG_STANDS,
             _ => 0,
         };
         self.0.get(&address).copied().unwrap_or(at_reset)

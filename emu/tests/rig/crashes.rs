@@ -2,7 +2,7 @@
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
 use emu::nucleo::HEALTHY_MV;
-use emu::{InjectedFault, LoggedEvent, PlannedFault};
+use emu::{CoreBits, InjectedFault, LoggedEvent, PlannedFault};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{CrashCause, CrashReport, StartCause, Status};
@@ -138,6 +138,32 @@ fn the_watchdogs_clock_at_both_ends_of_its_range() {
 #[test]
 fn an_exhausted_stack() {
     dies_at_once(3, CrashCause::StackOverflow);
+}
+
+/// A debugger has set the core to halt at faults, and is gone: with PERMIT high none does, and the way out is the program's.
+#[test]
+fn a_debugger_that_wanted_to_see_faults_halts_none_with_permit() {
+    const DEMCR: u64 = 0xe000_edfc;
+    /// VC_HARDERR and VC_BUSERR (ARMv7-M, C1.6.5).
+    const HALTS: [u32; 2] = [10, 8];
+    /// What the cycle counter needs.
+    const TRACE: u64 = 1 << 24;
+    let processor = CoreBits::default();
+    let mut desk = Desk::with(Bench {
+        processor: Some(processor.clone()),
+        ..Bench::default()
+    });
+    desk.start();
+    desk.until(Mode::Running);
+    processor.look_at([DEMCR]);
+    for bit in HALTS {
+        processor.turn_over_system(DEMCR, bit);
+        // What it sends comes in bundles.
+        for _ in 0..100 {
+            desk.step();
+        }
+        assert_eq!(processor.found(DEMCR), Some(TRACE), "bit {bit}");
+    }
 }
 
 /// The fault status in such words has a bit of the memory protection unit, and none of the bus, which on this chip need not

@@ -8,6 +8,7 @@
 //! | `clocks` | `CORE_HZ`, `TIMER_HZ`; the external clock looked at before it is used, the tree, the guard of that clock |
 //! | `supply` | the guard of the supply, whose interrupt is a way out |
 //! | `reset` | what made the chip start |
+//! | `debug` | the watchdog counts on, whatever a debugger has set |
 //! | `period` | the sampling timer, and the one behind it whose compare is the instant of the command |
 //! | `store` | what is saved, in flash that can be written while the program runs |
 //! | `core_coupled` | memory for the queues between interrupt and tasks, and the rig watch |

@@ -5,6 +5,7 @@ pub mod clocks;
 pub mod conversion;
 pub mod core_coupled;
 pub mod dac;
+pub mod debug;
 pub mod period;
 pub mod reset;
 pub mod spi;

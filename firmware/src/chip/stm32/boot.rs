@@ -6,7 +6,7 @@
 use super::board::Board;
 use super::control::{Control, ControlCell};
 use super::converters::{Converters, StartedConverters};
-use super::metal::{Metal, WATCHDOG_US, cycles, start_cycle_counter};
+use super::metal::{Metal, WATCHDOG_US, cycles, no_fault_halts_the_core, start_cycle_counter};
 use super::tasks::report::{self, SharedService, Waiting};
 use super::tasks::{lights, listen};
 use super::{fatal, kept, stack_guard};
@@ -167,6 +167,7 @@ fn start_chip() -> (About, embassy_stm32::Peripherals) {
     let last_crash = kept::crash_before(started);
     if let Some(mut core) = cortex_m::Peripherals::take() {
         start_cycle_counter(&mut core);
+        no_fault_halts_the_core();
         stack_guard::close(&mut core.MPU);
     }
     let crystal_ok = clocks::external_clock_is_right();

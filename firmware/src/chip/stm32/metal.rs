@@ -3,10 +3,11 @@
 use super::converters::Converters;
 use super::{drill, drill::Drill};
 use super::{fatal, kept};
+use crate::chip::this::debug;
 use crate::chip::this::period::Period;
 use crate::hardware::Hardware;
 use crate::station::Heartbeat;
-use cortex_m::peripheral::DWT;
+use cortex_m::peripheral::{DCB, DWT};
 use embassy_stm32::gpio::{Flex, Input as Pin, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
@@ -22,6 +23,18 @@ pub const WATCHDOG_US: u32 = 25_000;
 pub fn start_cycle_counter(core: &mut cortex_m::Peripherals) {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
+}
+
+/// TRCENA of DEMCR, which the cycle counter needs.
+const TRACE: u32 = 1 << 24;
+
+/// A fault runs into its way out, and the watchdog counts, also where a debugger has set the core to halt at faults: it
+/// may be gone, and PERMIT would stay. What it has set outlasts every reset but that of power-on.
+#[inline]
+pub fn no_fault_halts_the_core() {
+    // SAFETY: it takes from a debugger what it wants to be told of, and nothing from the program.
+    unsafe { (*DCB::PTR).demcr.write(TRACE) };
+    debug::watchdog_goes_on();
 }
 
 /// The processor's cycles.
@@ -158,6 +171,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     fn permit(&mut self, on: bool) {
         self.asked = on;
         if on {
+            no_fault_halts_the_core();
             self.given = true;
             self.pins.permit.set_high();
             self.pins.pulse.toggle();
