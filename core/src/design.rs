@@ -18,6 +18,11 @@ use crate::watch::steps_in_block;
 /// The longest ramp after a fault, s.
 const LONGEST_RAMP_S: f64 = 2.0;
 
+/// Over how many samples the mean is taken that the command follows while idle, and over how long at most, s: a rig that sinks by
+/// 5 mm/s is not left behind by more than 0.3 mm.
+const IDLE_MEAN_STEPS: f64 = 64.0;
+const IDLE_MEAN_S: f64 = 0.064;
+
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
 pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
@@ -63,6 +68,8 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) approach_step_m: f32,
     /// Deceleration of the ramp to hold, m per control step squared.
     pub(crate) deceleration_step_m: f32,
+    /// Share of a reading in the mean that the command follows while idle.
+    pub(crate) idle_share: f32,
     /// The longest ramp after a fault, control steps.
     pub(crate) longest_ramp_steps: f32,
     /// By how much the share of the prediction grows in a control step after a hold.
@@ -168,6 +175,7 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
             per_critical: mass.map(|m| (1.0 / (2.0 * m * omega)) as f32),
             per_period: (omega * dt_s / core::f64::consts::TAU) as f32,
             approach_step_m: (t.approach_m_per_s * control_step_s) as f32,
+            idle_share: (control_step_s / IDLE_MEAN_S).clamp(1.0 / IDLE_MEAN_STEPS, 1.0) as f32,
             deceleration_step_m: (t.hold_deceleration_m_per_s2 * control_step_s * control_step_s)
                 as f32,
             longest_ramp_steps: (LONGEST_RAMP_S / control_step_s) as f32,

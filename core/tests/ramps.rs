@@ -80,6 +80,26 @@ fn a_stop_ends_inside_the_limit_on_displacement_whatever_the_deceleration() {
     assert!(shortened > 10, "{shortened} ramps had to be shorter");
 }
 
+/// Slow as well: the mean over the last readings that is held is over a time and not over a number of them.
+#[test]
+fn a_rig_that_sinks_is_armed_where_it_is_at_any_rate() {
+    for rate_hz in [100.0, 200.0, 500.0, 1000.0, 2000.0] {
+        let mut config = table1();
+        config.timing.rate_hz = rate_hz;
+        let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+        let (mut at_m, none) = (0.02, GroundMotion::none());
+        for _ in 0..(2.0 * rate_hz) as u32 {
+            at_m -= (0.005 / rate_hz) as f32;
+            outer.step(&Sample::new([at_m], [0.0]), &none);
+        }
+        let held_m = outer.step(&Sample::new([at_m], [0.0]), &none).command_m[0];
+        assert!(
+            (held_m - at_m).abs() < 4e-4,
+            "{rate_hz} Hz: {held_m} of {at_m} m"
+        );
+    }
+}
+
 #[test]
 fn a_contact_that_bounces_on_the_way_to_the_start_moves_nothing_back() {
     let mut config = table1();

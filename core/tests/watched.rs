@@ -100,9 +100,8 @@ fn the_watch_changes_the_loop_at_the_same_step_however_soon_its_thread_is_done()
     assert!(flags & (flag::WATCH_LATE | flag::ADJUSTED) == flag::WATCH_LATE);
 }
 
-// proves: fault.watch by orders.alarm
-#[test]
-fn the_watch_stops_a_test() {
+/// A test under a watch that stops it with this alarm: the command sent then, the one after it, and the loop.
+fn stopped_by(alarm: Alarm) -> ([[f32; 1]; 2], bool, OuterLoop<1>) {
     let points = shaking(RECORD_S);
     let mut rig = Rig::new(8);
     let mut outer = OuterLoop::new(Design::new(&table1()).unwrap());
@@ -112,33 +111,65 @@ fn the_watch_stops_a_test() {
         outer.handle(event).unwrap();
     }
     let (mut steps, mut taps, mut answers) = (0, Taps::<1>::of(4), Answers::new());
-    let sent = loop {
+    let sent_m = loop {
         let step = rig.step(&mut outer, &ground(&points));
-        let (sent, permit) = (step.command_m, step.permit);
+        let (sent_m, permit) = (step.command_m, step.permit);
         steps += 1;
         // Before this step the watch has not stopped it.
         assert!(permit);
         if let Some((of, blocks)) = behind_step(&mut outer, &mut answers, &mut taps) {
             let mut orders = Orders::NONE;
-            orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {
-                axis: 0,
-                value: 0.2,
-                limit: 0.1,
-            });
+            orders.alarm = (blocks[0].displacement_m.abs() > 1e-3).then_some(alarm);
             answers.push_back((of, orders));
         }
-        if outer.mode() == Mode::Tripped {
-            break sent;
+        if !outer.mode().integrates() {
+            break sent_m;
         }
         assert!(steps < 8000);
     };
     let trip = outer.trip().unwrap();
     assert_eq!(
         (trip.fault, trip.value, trip.limit),
-        (Fault::Watch, 0.2, 0.1)
+        (Fault::Watch, alarm.value, alarm.limit)
     );
     assert_eq!(trip.tick + 1, outer.tick(), "the step behind which it came");
     let after = rig.step(&mut outer, &ground(&points));
-    assert!(!after.permit);
-    assert_eq!(after.command_m, sent, "it stands");
+    ([sent_m, after.command_m], after.permit, outer)
+}
+
+// proves: fault.watch by orders.alarm
+#[test]
+fn a_sensor_that_stands_stops_a_test_at_once() {
+    let alarm = Alarm {
+        axis: 0,
+        value: 0.0,
+        limit: 0.0,
+    };
+    let ([sent_m, after_m], permit, outer) = stopped_by(alarm);
+    assert_eq!((outer.mode(), permit), (Mode::Tripped, false));
+    assert_eq!(after_m, sent_m, "it stands");
+}
+
+/// A command that stops in one step is harder on the specimen than a test that is worth nothing.
+#[test]
+fn an_error_that_is_foreseen_ends_a_test_on_the_ramp() {
+    let alarm = Alarm {
+        axis: 0,
+        value: 0.2,
+        limit: 0.1,
+    };
+    let ([sent_m, after_m], permit, mut outer) = stopped_by(alarm);
+    assert_eq!((outer.mode(), permit), (Mode::Stopping, true));
+    assert_ne!(after_m, sent_m, "it goes on to a standstill");
+    let (mut rig, mut last_m) = (Rig::new(8), after_m);
+    // A ramp of 5 m/s^2 at 2 kHz: its speed falls by 1.25 um a step in each step.
+    let mut speed_m = (after_m[0] - sent_m[0]).abs();
+    while outer.mode() == Mode::Stopping {
+        let next_m = rig.step(&mut outer, &GroundMotion::none()).command_m;
+        let step_m = (next_m[0] - last_m[0]).abs();
+        assert!(step_m <= speed_m + 1e-7, "{step_m} behind {speed_m}");
+        (last_m, speed_m) = (next_m, step_m);
+    }
+    assert_eq!(outer.mode(), Mode::Tripped);
+    assert!(speed_m < 3e-6, "{speed_m}");
 }

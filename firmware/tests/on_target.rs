@@ -163,9 +163,10 @@ mod tests {
         let of_no_board = Wiring {
             calibration: Calibration::placeholder(&CODES),
             tops: [1, 1],
+            actuators: 1,
         };
         let before = Memory.calibration(0);
-        let was_calibrated = before.and_then(|wiring| wiring.of(&CODES)).is_some();
+        let was_calibrated = before.and_then(|wiring| wiring.of(&CODES, 1)).is_some();
         let wiring = before.unwrap_or(of_no_board);
         feed();
         let wirings = [Some(wiring)];
@@ -173,7 +174,7 @@ mod tests {
         assert!(embassy_futures::block_on(saving));
         let after = Memory.calibration(0);
         assert!(Memory.test() == Some(test) && after == Some(wiring));
-        let is_calibrated = after.and_then(|wiring| wiring.of(&CODES)).is_some();
+        let is_calibrated = after.and_then(|wiring| wiring.of(&CODES, 1)).is_some();
         assert_eq!(is_calibrated, was_calibrated);
     }
 }

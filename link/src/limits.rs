@@ -40,6 +40,9 @@ pub const ENERGY_TRIP: f64 = 10.0;
 /// The fastest approach, m/s: the speed of a robot that a person may stand beside (ISO 10218-1, reduced speed).
 pub const APPROACH_M_PER_S: f64 = 0.25;
 
+/// The hardest ramp to a standstill, m/s^2: from 0.5 m/s it takes 10 ms, about the time of an actuator's own. A harder one is no ramp.
+pub const HOLD_DECELERATION_M_PER_S2: f64 = 50.0;
+
 /// The largest offset of a command or of a displacement that a test may declare beside the calibration, m. A wrong one makes the piston
 /// jump by as much when the contact behind PERMIT closes. What a calibration leaves, `outerloop improve` takes out: it is held to 2 mm, with
 /// the scatter of what it finds.
@@ -219,8 +222,14 @@ fn check_speed(config: &Config) -> Result<(), Refusal> {
     accept(
         "loop.slow_down_steps",
         slows_down_steps,
-        slows_down_steps <= (SLOW_DOWN_S * timing.rate_hz).max(8.0),
-        "at most 10 ms, or 8 steps",
+        slows_down_steps <= (SLOW_DOWN_S * timing.rate_hz).max(1.0),
+        "at most 10 ms, loop.rate_hz / 100 or 1",
+    )?;
+    accept(
+        "loop.hold_deceleration_m_per_s2",
+        timing.hold_deceleration_m_per_s2,
+        timing.hold_deceleration_m_per_s2 <= HOLD_DECELERATION_M_PER_S2,
+        "at most 50 m/s^2: a harder stop is a blow",
     )
 }
 
@@ -259,6 +268,7 @@ fn check_rig(config: &Config) -> Result<(), Refusal> {
     for (name, list) in [
         ("rig.command_gain", &rig.command_gain),
         ("rig.displacement_gain", &rig.displacement_gain),
+        ("rig.force_gain", &rig.force_gain),
     ] {
         for &gain in list {
             let accepted = "0.8 to 1.25; a larger one belongs in the calibration (board calibrate)";
@@ -371,7 +381,7 @@ mod tests {
     /// Rows: a name, the most that is accepted of it, and what is more.
     #[test]
     fn what_could_never_act_or_lets_the_piston_jump_is_refused_by_its_name() {
-        let rows: [(&str, Change, Change); 19] = [
+        let rows: [(&str, Change, Change); 22] = [
             // 2 % of the 85.35 mm that 3495 codes to either side show.
             (
                 "limits.disagree_m",
@@ -427,7 +437,12 @@ mod tests {
                 |c| c.timing.approach_m_per_s = 0.25,
                 |c| c.timing.approach_m_per_s = 0.26,
             ),
-            // At 2 kHz; the defaults are accepted at every rate.
+            (
+                "loop.hold_deceleration_m_per_s2",
+                |c| c.timing.hold_deceleration_m_per_s2 = 50.0,
+                |c| c.timing.hold_deceleration_m_per_s2 = 51.0,
+            ),
+            // At 2 kHz.
             (
                 "loop.slow_down_steps",
                 |c| c.timing.slow_down_steps = 20,
@@ -435,8 +450,18 @@ mod tests {
             ),
             (
                 "loop.slow_down_steps",
-                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 8),
-                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 9),
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 5),
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (500.0, 6),
+            ),
+            (
+                "loop.slow_down_steps",
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (90.0, 1),
+                |c| (c.timing.rate_hz, c.timing.slow_down_steps) = (100.0, 2),
+            ),
+            (
+                "rig.force_gain",
+                |c| c.rig.force_gain = only(0.8),
+                |c| c.rig.force_gain = only(0.79),
             ),
             (
                 "rig.command_offset_m",

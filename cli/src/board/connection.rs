@@ -8,6 +8,7 @@ use link::message::Message;
 use link::reply::{NumberedReply, Reply};
 use link::telemetry::StepReport;
 use link::{Command, Telemetry, VERSION};
+use outerloop_core::Event;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -19,6 +20,10 @@ const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A command is repeated, under its one number, for so many times [`Timeouts::silence`].
 const ATTEMPTS: u32 = 4;
+
+/// Who has heard nothing of a test for so long does not keep it alive: the board gives the PC up after as much again, and goes to a
+/// standstill. No motion is asked for any longer either.
+const UNSEEN: Duration = Duration::from_millis(500);
 
 /// How long the PC waits.
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +108,13 @@ impl<P: Port> Connection<P> {
         } else {
             self.timeouts.answer
         };
-        let given_up = self.port.now() + self.timeouts.silence * ATTEMPTS;
+        let moves = matches!(command, Command::Event(Event::Start) | Command::Target(_));
+        let longest = if moves {
+            UNSEEN
+        } else {
+            self.timeouts.silence * ATTEMPTS
+        };
+        let given_up = self.port.now() + longest;
         while self.port.now() < given_up {
             // The zero ends whatever stood on the line before.
             self.send(&[0])?;
@@ -154,6 +165,9 @@ impl<P: Port> Connection<P> {
     }
 
     fn show_life(&mut self) -> Result<(), Failure> {
+        if self.port.now().saturating_sub(self.heard) > UNSEEN {
+            return Ok(());
+        }
         if self.steps_since_heartbeat >= HEARTBEAT_STEPS
             || self.port.now().saturating_sub(self.last_heartbeat) >= HEARTBEAT_INTERVAL
         {

@@ -112,9 +112,9 @@ struct Calibrate {
     /// The board's serial port, e.g. /dev/ttyACM0
     #[arg(long, value_name = "DEV")]
     port: String,
-    /// Of which actuator, of a board with several, from 1
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
-    actuator: u8,
+    /// Of which actuator, from 1; to be said where the board has several and one is to be changed
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
+    actuator: Option<u8>,
     /// The calibration to send, TOML as this command shows it
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
@@ -159,13 +159,8 @@ impl Calibrate {
     fn run(&self) -> Result<(), Failure> {
         let board = &mut connect(&self.port)?;
         let actuators = board::identify(board)?.actuators();
-        let actuator = self.actuator - 1;
-        if usize::from(actuator) >= actuators {
-            return Err(Failure::input(format!(
-                "--actuator {}: the board has {actuators}: accepted are 1 to {actuators}",
-                self.actuator
-            )));
-        }
+        let number = self.number(actuators)?;
+        let actuator = number - 1;
         if let Some(path) = &self.file {
             board::calibrate_one(board, actuator, read_calibration(path)?)?;
         }
@@ -187,10 +182,7 @@ impl Calibrate {
         let text = toml::to_string(&calibration)
             .map_err(|e| Failure::test(format!("the calibration cannot be shown: {e}")))?;
         if actuators > 1 {
-            println!(
-                "# actuator {} of {actuators}; the number is of all of them",
-                self.actuator
-            );
+            println!("# actuator {number} of {actuators}; the number is of all of them");
         }
         println!(
             "# number {:08x}; quantity = per_code * (code - zero_code), in m and N; the sensors' codes are 0 to {}, the command's 0 to {}",
@@ -204,10 +196,26 @@ impl Calibrate {
 }
 
 impl Calibrate {
+    /// The actuator, from 1, of a board with so many.
+    fn number(&self, actuators: usize) -> Result<u8, Failure> {
+        match self.actuator {
+            Some(number) if usize::from(number) > actuators => Err(Failure::input(format!(
+                "--actuator {number}: the board has {actuators}: accepted are 1 to {actuators}"
+            ))),
+            None if actuators > 1 && self.changes() => Err(Failure::input(format!(
+                "--actuator is missing: the board has {actuators}, and one is to be changed: accepted are 1 to {actuators}"
+            ))),
+            asked => Ok(asked.unwrap_or(1)),
+        }
+    }
+
+    fn changes(&self) -> bool {
+        self.file.is_some() || !self.zero.is_empty()
+    }
+
     /// What a person has to know of a calibration that the next reset takes back.
     fn not_kept(&self) -> Option<&'static str> {
-        let changed = self.file.is_some() || !self.zero.is_empty();
-        (changed && !self.save).then_some(
+        (self.changes() && !self.save).then_some(
             "the board goes by this until its next reset, and then by what was saved before: --save keeps it, and              board.calibration = \"NUMBER\" in a test refuses any other",
         )
     }
@@ -233,15 +241,32 @@ fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
 mod tests {
     use super::*;
 
+    fn calibrate(zero: &[&str], file: bool) -> Calibrate {
+        Calibrate {
+            port: String::new(),
+            actuator: None,
+            file: file.then(PathBuf::new),
+            zero: zero.iter().map(|z| z.parse().unwrap()).collect(),
+            save: false,
+        }
+    }
+
+    #[test]
+    fn of_a_board_with_several_actuators_the_one_that_is_changed_is_said() {
+        assert_eq!(calibrate(&["force=0"], false).number(1).ok(), Some(1));
+        assert_eq!(calibrate(&[], false).number(3).ok(), Some(1));
+        for calibrate in [calibrate(&["force=0"], false), calibrate(&[], true)] {
+            let refused = calibrate.number(3).unwrap_err().to_string();
+            assert!(refused.contains("accepted are 1 to 3"), "{refused}");
+        }
+    }
+
     #[test]
     fn a_calibration_that_the_next_reset_takes_back_is_said_to_be_one() {
         let said = |zero: &[&str], file: bool, save| {
             let calibrate = Calibrate {
-                port: String::new(),
-                actuator: 1,
-                file: file.then(PathBuf::new),
-                zero: zero.iter().map(|z| z.parse().unwrap()).collect(),
                 save,
+                ..calibrate(zero, file)
             };
             calibrate.not_kept().is_some()
         };

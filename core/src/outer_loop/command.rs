@@ -219,7 +219,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         if finding.is_some() {
             (self.obstacle, self.obstacle_tick) = (finding, self.tick);
         }
-        let Some((found, mut after)) =
+        let Some((found, after)) =
             finding.and_then(|f| Some((f, self.mode.after(Event::of(f.fault)).ok()?)))
         else {
             return self.send(0, target_m, aim_m, send_m);
@@ -235,12 +235,20 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         if after == Mode::Stopping {
             // No limit forbids this command, and the ramp begins at it.
             self.send(0, target_m, aim_m, send_m);
+        }
+        self.mode = self.stopping(after);
+        self.sent_m
+    }
+
+    /// The mode after a fault that asks for `after`: a ramp to a standstill begins at what was sent, and one that would take too
+    /// long is none.
+    pub(super) fn stopping(&mut self, after: Mode) -> Mode {
+        if after == Mode::Stopping {
             self.stop_at_command();
             if !self.stops_soon() {
-                after = Mode::Tripped;
+                return Mode::Tripped;
             }
         }
-        self.mode = after;
-        self.sent_m
+        after
     }
 }

@@ -44,10 +44,11 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Idle: the target follows the true position, and the command is what holds the actuator there, so that arming
     /// moves nothing whatever is known of offsets and gains.
     fn follow(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+        let idle_share = self.design.idle_share;
         let mut idle_mean_m = self.idle_mean_m.unwrap_or(*displacement_m);
         for (mean, &new) in idle_mean_m.iter_mut().zip(displacement_m) {
-            // A mean over some 64 samples, so that noise is not a bump.
-            let moved = *mean + (new - *mean) * (1.0 / 64.0);
+            // A mean, so that noise is not a bump.
+            let moved = *mean + (new - *mean) * idle_share;
             *mean = if moved.is_finite() { moved } else { 0.0 };
         }
         // What never came says nothing of where the actuator stands: nothing is armed on it.

@@ -31,11 +31,18 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     #[inline]
     pub fn obey(&mut self, change: impl FnOnce(&mut Orders<N>)) {
         self.post.change(change);
-        if let Some(alarm) = self.post.alarm()
-            && let Ok(tripped) = self.mode.after(Event::Fault)
-        {
-            self.mode = tripped;
-            self.trip = Some(Trip {
+        let Some(alarm) = self.post.alarm() else {
+            return;
+        };
+        // A sensor that stands is an emergency; a test that is worth nothing ends on the ramp.
+        let event = if alarm.value > 0.0 {
+            Event::MinorFault
+        } else {
+            Event::Fault
+        };
+        if let Ok(after) = self.mode.after(event) {
+            self.mode = self.stopping(after);
+            self.trip.get_or_insert(Trip {
                 fault: Fault::Watch,
                 axis: alarm.axis,
                 value: alarm.value,

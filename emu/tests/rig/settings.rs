@@ -153,7 +153,7 @@ fn a_slot_that_the_power_failed_in_is_passed_over() {
 #[test]
 fn the_calibration_that_was_saved_is_in_force_without_a_test() {
     let half = Calibration::over(0.025, 5e3, &codes());
-    let kept = Wiring::new(half, &codes()).encode(1).unwrap();
+    let kept = Wiring::new(half, &codes(), 1).encode(1).unwrap();
     let firmware = Firmware::read(image()).unwrap();
     let firmware = firmware.with_flash(CALIBRATIONS, kept.to_vec()).unwrap();
     let mut desk = Desk::with(Bench {

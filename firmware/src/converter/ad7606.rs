@@ -32,17 +32,21 @@ const PAUSE_CYCLES: u32 = 1000 * US;
 const KNOWN: u16 = SIGN + 5406;
 const KNOWN_OFF: u16 = 541;
 
-/// Frames one after the other in which the known voltage may have the same code. The converter's noise is half a code rms: one that
-/// says that it has converted, and shows an earlier result, has none.
-const STANDS_FRAMES: u16 = 1000;
+/// Frames one after the other in which the known voltage may have the same code, if that lasts so long. The converter's noise is half
+/// a code rms: one that says that it has converted, and shows an earlier result, has none.
+const STANDS_FRAMES: u16 = 100;
+const STANDS_CYCLES: u32 = 500_000 * US;
 
 /// The converter.
 pub struct Ad7606 {
     bus: Bus,
     select: Output<'static>,
-    /// The last code of the known voltage, and in how many frames it has been that.
+    /// The last code of the known voltage, since when it has been that, in cycles, and in how many frames.
     known: u16,
-    stands: u16,
+    since: u32,
+    same: u16,
+    /// It has been that for too long.
+    stands: bool,
 }
 
 impl Ad7606 {
@@ -58,7 +62,9 @@ impl Ad7606 {
             bus,
             select,
             known: 0,
-            stands: 0,
+            since: 0,
+            same: 0,
+            stands: false,
         }
     }
 
@@ -96,20 +102,27 @@ impl Ad7606 {
             let known = codes.last().copied().unwrap_or(0);
             let is_frame = known.abs_diff(KNOWN) <= KNOWN_OFF;
             if is_frame {
-                self.stands = if known == self.known {
-                    self.stands.saturating_add(1)
-                } else {
-                    0
-                };
-                self.known = known;
+                self.look_at(known);
             }
             is_frame
         })
     }
 
+    /// Whether the known voltage still has its noise.
+    fn look_at(&mut self, known: u16) {
+        let now = DWT::cycle_count();
+        if known != self.known {
+            (self.known, self.since, self.same, self.stands) = (known, now, 0, false);
+            return;
+        }
+        self.same = self.same.saturating_add(1);
+        let lasts = now.wrapping_sub(self.since) >= STANDS_CYCLES;
+        self.stands |= self.same >= STANDS_FRAMES && lasts;
+    }
+
     /// Its results are new ones, as far as their noise shows it.
     pub fn converts(&self) -> bool {
-        self.stands < STANDS_FRAMES
+        !self.stands
     }
 
     #[inline]

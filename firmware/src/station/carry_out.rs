@@ -49,6 +49,8 @@ impl<const A: usize> Station<A> {
             }
             Order::Unload => {
                 self.points_are_commands = false;
+                // It would play what comes in their place.
+                self.signal.take_if(|signal| signal.plays_points());
                 Ok(Returned::Motion(self.motion.take()))
             }
             Order::Load(motion) => Ok(Returned::Motion(self.motion.replace(motion))),

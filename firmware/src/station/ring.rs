@@ -204,7 +204,7 @@ mod tests {
     fn wiring(number: u16) -> Wiring {
         let mut calibration = Calibration::nominal(&CODES);
         calibration.force.zero_code = f32::from(number);
-        Wiring::new(calibration, &CODES)
+        Wiring::new(calibration, &CODES, 1)
     }
 
     /// Saves; nothing here ever waits.

@@ -18,6 +18,7 @@ use super::twice::Twice;
 use super::upload::Upload;
 use super::watchers::{WatchParts, Watchers};
 use super::window::Window;
+use calibrations::Made;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
 use link::command::{BoardTest, Command, CommissioningSignal, MAX_POINTS};
@@ -98,8 +99,8 @@ pub struct Service {
     /// Ticks that a step of the last test that was worked out leaves of its deadline; 0 for one that was loaded at the start, which
     /// nobody has timed.
     left_ticks: u32,
-    /// The calibration of each actuator and whether somebody has made it.
-    pub(crate) calibrations: PerActuator<(Twice<Calibration>, bool)>,
+    /// The calibration of each actuator, and who made it.
+    pub(crate) calibrations: PerActuator<(Twice<Calibration>, Made)>,
     windows: [[Window; 2]; MAX_ACTUATORS],
     mode: Mode,
     tick: u32,
@@ -144,7 +145,12 @@ impl Service {
                 .into_iter()
                 .map(|made| {
                     let placeholder = Calibration::placeholder(&board.codes);
-                    (Twice::new(made.unwrap_or(placeholder)), made.is_some())
+                    let by = if made.is_some() {
+                        Made::BySomebody
+                    } else {
+                        Made::ByNobody
+                    };
+                    (Twice::new(made.unwrap_or(placeholder)), by)
                 })
                 .collect(),
             board,
@@ -258,9 +264,12 @@ impl Service {
             (Pending::Reload(since), Returned::Motion(_)) => self.done(since, mode),
             (Pending::Calibrate(actuator, calibration, zeroed), _) => {
                 if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
-                    // The placeholder takes a calibration back.
-                    let made = calibration.is_made(&self.board.codes);
-                    *place = (Twice::new(calibration), made);
+                    let by = if calibration.is_made(&self.board.codes) {
+                        Made::BySomebody
+                    } else {
+                        Made::TakenBack
+                    };
+                    *place = (Twice::new(calibration), by);
                 }
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),

@@ -99,51 +99,56 @@ impl FlashRecord<TEST_BYTES> for BoardTest {
     }
 }
 
-/// A calibration and the converters that it is of.
+/// A calibration and the board that it is of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wiring {
     /// The lines.
     pub calibration: Calibration,
     /// The highest codes of sensors and command: a calibration of other converters means nothing.
     pub tops: [u16; 2],
+    /// How many actuators the image had: one for another number is of another rig.
+    pub actuators: u8,
 }
 
 impl Wiring {
-    /// A calibration of converters with `codes`.
-    pub const fn new(calibration: Calibration, codes: &CodeRange) -> Self {
+    /// A calibration of converters with `codes`, one of so many `actuators`.
+    pub const fn new(calibration: Calibration, codes: &CodeRange, actuators: usize) -> Self {
         Self {
             calibration,
             tops: [codes.sensor_top, codes.command_top],
+            actuators: actuators as u8,
         }
     }
 
-    /// The calibration, if it is of converters with `codes`, means something, and is not what a board goes by that nobody has
-    /// calibrated: a test on the desk may have left that.
-    pub fn of(&self, codes: &CodeRange) -> Option<Calibration> {
-        let fits = self.tops == [codes.sensor_top, codes.command_top];
+    /// The calibration, if it is of converters with `codes` and of so many `actuators`, means something, and is not what a board
+    /// goes by that nobody has calibrated: a test on the desk, or somebody who took a calibration back, may have left that.
+    pub fn of(&self, codes: &CodeRange, actuators: usize) -> Option<Calibration> {
+        let fits = *self == Self::new(self.calibration, codes, actuators);
         let means = self.calibration.is_made(codes) && self.calibration.check(codes).is_ok();
         (fits && means).then_some(self.calibration)
     }
 }
 
 impl FlashRecord<CALIBRATION_BYTES> for Wiring {
-    const KIND: [u8; 4] = [b'O', b'L', b'C', 1];
+    // The first did not say of how many actuators.
+    const KIND: [u8; 4] = [b'O', b'L', b'C', 2];
     const MARKED: bool = true;
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
-        let (tops, rest) = room.split_first_chunk_mut::<4>()?;
+        let (board, rest) = room.split_first_chunk_mut::<5>()?;
         let [sensor, command] = self.tops.map(u16::to_le_bytes);
-        *tops = [sensor[0], sensor[1], command[0], command[1]];
+        *board = [sensor[0], sensor[1], command[0], command[1], self.actuators];
         let lines = self.calibration.to_bytes();
         rest.get_mut(..lines.len())?.copy_from_slice(&lines);
-        Some(4 + lines.len())
+        Some(board.len() + lines.len())
     }
 
     fn from_body(body: &[u8]) -> Option<Self> {
-        let (&[s0, s1, c0, c1], lines) = body.split_first_chunk::<4>()?;
+        let (&[s0, s1, c0, c1, actuators], lines) = body.split_first_chunk::<5>()?;
         Some(Self {
             calibration: Calibration::from_bytes(lines.try_into().ok()?),
             tops: [u16::from_le_bytes([s0, s1]), u16::from_le_bytes([c0, c1])],
+            actuators,
         })
     }
 }
@@ -161,7 +166,7 @@ mod tests {
     }
 
     fn wiring() -> Wiring {
-        Wiring::new(Calibration::placeholder(&CODES), &CODES)
+        Wiring::new(Calibration::placeholder(&CODES), &CODES, 1)
     }
 
     fn comes_back<const BYTES: usize, T: FlashRecord<BYTES> + PartialEq + core::fmt::Debug>(
@@ -190,27 +195,28 @@ mod tests {
         let slot = wiring().encode(1).unwrap();
         // Not a version of the link in it; what a board has in its flash is read by every later firmware.
         assert_eq!(
-            slot[..14],
+            slot[..15],
             [
-                b'O', b'L', b'C', 1, 1, 0, 0, 0, 29, 0, 0xfe, 0x1f, 0xff, 0x0f
+                b'O', b'L', b'C', 2, 1, 0, 0, 0, 30, 0, 0xfe, 0x1f, 0xff, 0x0f, 1
             ]
         );
     }
 
     #[test]
-    fn a_calibration_of_other_converters_is_none() {
+    fn a_calibration_of_other_converters_or_of_another_number_of_actuators_is_none() {
         let sixteen = CodeRange {
             sensor_top: 65_535,
             command_top: 65_535,
             ..CODES
         };
-        let made = Wiring::new(Calibration::over(0.1, 1e4, &CODES), &CODES);
-        assert_eq!(made.of(&CODES), Some(made.calibration));
-        assert_eq!(made.of(&sixteen), None);
+        let made = Wiring::new(Calibration::over(0.1, 1e4, &CODES), &CODES, 1);
+        assert_eq!(made.of(&CODES, 1), Some(made.calibration));
+        assert_eq!(made.of(&sixteen, 1), None);
+        assert_eq!(made.of(&CODES, 3), None);
     }
 
     #[test]
     fn what_a_board_goes_by_that_nobody_has_calibrated_is_no_calibration() {
-        assert_eq!(wiring().of(&CODES), None);
+        assert_eq!(wiring().of(&CODES, 1), None);
     }
 }

@@ -383,6 +383,27 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
     assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
 }
 
+#[test]
+fn a_signal_of_points_plays_no_others_that_are_sent_behind_it() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config().into())));
+    b.upload(&[0.0, 0.002, -0.002, 0.0], 1.0);
+    done(&b.ask(Command::Signal(Some(CommissioningSignal {
+        actuator: 0,
+        shape: SignalShape::Points,
+        amplitude_m: 0.002,
+        seconds: 3.0,
+    }))));
+    // A ground motion, m/s^2, is no way, m.
+    b.upload(&pulse(), 0.01);
+    b.settle();
+    done(&b.event(Event::Arm));
+    b.until(Mode::Armed);
+    done(&b.event(Event::Start));
+    b.step();
+    assert_eq!(b.mode(), Mode::Running, "it is played as what it is");
+}
+
 // proves: limit.displacement_m, limit.velocity_m_per_s, limit.force_n, limit.tracking_m, limit.stale_steps
 #[test]
 fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the_limits_name() {
@@ -495,6 +516,18 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
     done(&b.ask(Command::Configure(config().into())));
     done(&b.ask(Command::Save));
     assert!(b.saved[0].is_some());
+}
+
+/// Else the next start would have the old one again.
+#[test]
+fn a_calibration_that_is_taken_back_is_saved_as_that() {
+    let mut b = fresh();
+    done(&b.ask(Command::Calibrate(0, Calibration::nominal(&CODES))));
+    done(&b.ask(Command::Save));
+    b.saved = [None; 2];
+    done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
+    done(&b.ask(Command::Save));
+    assert_eq!(b.saved, [None, Some(firmware::station::CALIBRATION_BYTES)]);
 }
 
 #[test]

@@ -295,13 +295,13 @@ fn a_test_begins_under_the_force_that_its_loop_takes() {
     let mut limited = config();
     (limited.limits.force_stands_m, limited.limits.force_n) = (Some(2e-3), Some(5000.0));
     limited.rig.force_offset_n = [1000.0].into_iter().collect();
-    limited.rig.force_gain = [2.0].into_iter().collect();
-    // An offset that is not this cell's any more: the loop would have -500 N of a reading of none.
+    limited.rig.force_gain = [1.25].into_iter().collect();
+    // An offset that is not this cell's any more: the loop would have -800 N of a reading of none.
     for (read_n, starts) in [
         (0.0, false),
         (1000.0, true),
-        (1240.0, true),
-        (1400.0, false),
+        (1150.0, true),
+        (1250.0, false),
     ] {
         let mut b = bench();
         let reply = started_under(&mut b, &limited, read_n);
@@ -313,7 +313,7 @@ fn a_test_begins_under_the_force_that_its_loop_takes() {
             panic!("{read_n} N: {reply:?}");
         };
         assert_eq!(refused.name, "the force at the start, N");
-        let taken_n = f64::from(read_n - 1000.0) / 2.0;
+        let taken_n = f64::from(read_n - 1000.0) / 1.25;
         assert!((refused.value - taken_n).abs() < 20.0, "{refused}");
         assert!(
             refused

@@ -8,7 +8,7 @@ use host_tests::loopback::{FaultInjection, Loopback};
 use outerloop_cli::board::{Operator, Trajectory};
 use outerloop_core::Mode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::{Sender, channel};
 
 #[test]
@@ -67,8 +67,14 @@ fn noise_on_the_line_and_a_board_that_hears_nothing_end_the_test_and_keep_it() {
         let t = test(&[]);
         let mut board = loopback(&t);
         board.incidents.push_back((9000, happens));
+        // Half a second until the PC has heard nothing for long, and another until the board has; the ramp takes a tenth.
+        let stands = Arc::new(AtomicBool::new(false));
+        let seen = Arc::clone(&stands);
+        let look = move |b: &mut Loopback| seen.store(b.board.mode() == Mode::Tripped, Relaxed);
+        board.incidents.push_back((11_300, Box::new(look)));
         let run = run_on(&t, board).unwrap();
         assert_eq!(run.summary.trip, Some("link_lost"));
+        assert!(stands.load(Relaxed), "the test runs on, and nobody sees it");
         assert!(run.trace.unwrap().len() > 3000);
         let said = run.summary.board.unwrap().sentence();
         assert!(said.contains(why), "{said}");

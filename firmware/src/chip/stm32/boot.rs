@@ -259,7 +259,7 @@ fn facts<B: Board<A>, const A: usize>(about: &mut About, answered: bool) -> Fact
 fn saved_calibrations<const A: usize>(codes: &CodeRange) -> [Option<Calibration>; A] {
     core::array::from_fn(|actuator| {
         let wiring = Memory.calibration(actuator);
-        wiring.and_then(|wiring| wiring.of(codes))
+        wiring.and_then(|wiring| wiring.of(codes, A))
     })
 }
 

@@ -13,6 +13,17 @@ use outerloop_core::{Fault, Mode};
 /// The copies of a calibration differ; a whole one, or a reset, mends it.
 const WRONG_BIT: Option<Obstacle> = Some(Obstacle::Fault(Fault::Memory));
 
+/// Who made a calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Made {
+    /// The board goes by its placeholder.
+    ByNobody,
+    /// It was sent, or saved before.
+    BySomebody,
+    /// The placeholder was sent in its place: what was saved before is not to come back.
+    TakenBack,
+}
+
 impl Service {
     /// What the actuators of a test show, or all of the board's.
     pub(super) fn shown(&self, test: Option<&BoardTest>) -> CalibratedRange {
@@ -22,11 +33,13 @@ impl Service {
 
     /// Somebody has calibrated the channels of every actuator that the test in force has, or the board.
     pub(super) fn is_calibrated(&self) -> bool {
-        self.used(self.test.as_ref()).iter().all(|c| c.1)
+        self.used(self.test.as_ref())
+            .iter()
+            .all(|c| c.1 == Made::BySomebody)
     }
 
     /// Of a test of two coupled actuators, nothing hangs on the others.
-    fn used(&self, test: Option<&BoardTest>) -> &[(Twice<Calibration>, bool)] {
+    fn used(&self, test: Option<&BoardTest>) -> &[(Twice<Calibration>, Made)] {
         let coupled = test.filter(|t| t.coupled.is_some());
         let used = coupled.and_then(|t| self.calibrations.get(..t.actuators()));
         used.unwrap_or(&self.calibrations)
@@ -67,7 +80,7 @@ impl Service {
 
     pub(super) fn zero(&mut self, actuator: u8, channel: Channel, value: f32) -> CommandResult {
         let which = usize::from(actuator);
-        let (Some((own, calibrated)), Some([displacement, force])) =
+        let (Some((own, made)), Some([displacement, force])) =
             (self.calibrations.get(which), self.windows.get(which))
         else {
             return self.no_actuator(actuator);
@@ -76,7 +89,7 @@ impl Service {
         let Some(&(mut calibration)) = own.agreed() else {
             return self.reply(self.rejected(None, WRONG_BIT));
         };
-        if !*calibrated {
+        if *made != Made::BySomebody {
             return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
         }
         let window = match channel {
@@ -102,15 +115,16 @@ impl Service {
         if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
-        if self.test.is_none() && self.calibrations.iter().all(|c| !c.1) {
+        if self.test.is_none() && self.calibrations.iter().all(|c| c.1 == Made::ByNobody) {
             return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
         }
         if self.calibrations.iter().any(|c| c.0.agreed().is_none()) {
             return self.reply(self.rejected(None, WRONG_BIT));
         }
-        let wiring = |(calibration, made): &(Twice<Calibration>, bool)| {
-            let wiring = Wiring::new(*calibration.first(), &self.board.codes);
-            made.then_some(wiring)
+        let wiring = |(calibration, made): &(Twice<Calibration>, Made)| {
+            let board = &self.board;
+            let wiring = Wiring::new(*calibration.first(), &board.codes, board.actuators);
+            (*made != Made::ByNobody).then_some(wiring)
         };
         let wirings = self.calibrations.iter().map(wiring).collect();
         CommandResult::Save(self.test.clone(), wirings)
