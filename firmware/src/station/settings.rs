@@ -99,6 +99,17 @@ impl FlashRecord<TEST_BYTES> for BoardTest {
     }
 }
 
+/// Who made a calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Made {
+    /// The board goes by its placeholder.
+    ByNobody,
+    /// It was sent, or saved before.
+    BySomebody,
+    /// The placeholder was sent in its place: what was saved before is not to come back.
+    TakenBack,
+}
+
 /// A calibration and the board that it is of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wiring {

@@ -2,7 +2,7 @@
 
 use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
-use crate::station::settings::Wiring;
+use crate::station::settings::{Made, Wiring};
 use crate::station::twice::Twice;
 use link::channel::{Calibration, ChannelCalibration};
 use link::command::{BoardTest, Channel};
@@ -12,17 +12,6 @@ use outerloop_core::{Fault, Mode};
 
 /// The copies of a calibration differ; a whole one, or a reset, mends it.
 const WRONG_BIT: Option<Obstacle> = Some(Obstacle::Fault(Fault::Memory));
-
-/// Who made a calibration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Made {
-    /// The board goes by its placeholder.
-    ByNobody,
-    /// It was sent, or saved before.
-    BySomebody,
-    /// The placeholder was sent in its place: what was saved before is not to come back.
-    TakenBack,
-}
 
 impl Service {
     /// What the actuators of a test show, or all of the board's.
