@@ -97,10 +97,9 @@ pub const LITTLE: f64 = 0.5;
 pub const TRANSDUCER: f64 = 0.005;
 /// The same of a displacement (0.1, a good LVDT). A rest tells the noise of a transducer, not how straight it is.
 pub const DISPLACEMENT_TRANSDUCER: f64 = 0.001;
-/// What a delay and a lag leave of an ordinary position loop, of its motion: valve, oil and seals are of a higher order, the flow goes
-/// with the root of the pressure. Below the first only names that come down to the noise stand, below the second no `unknown`: 29
-/// sound rams that somebody else simulated left 0.001 to 0.01.
-pub const POSITION_LOOP: [f64; 2] = [0.005, 0.01];
+/// What delay, lag and load leave of an ordinary position loop, of its motion: valve, oil and seals are of a higher order. Of a hundred
+/// sound rams that were simulated with all of them none left more than 0.002.
+pub const POSITION_LOOP: f64 = 0.0025;
 /// A rest that is so many times as loud as samples of the same motion differ by is none: that figure is within a third.
 pub const LOUD_REST: f64 = 2.0;
 /// A channel that moves by so many times what its samples differ by from a smooth curve does not stand still: low-passed noise

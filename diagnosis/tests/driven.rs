@@ -28,7 +28,7 @@ fn command(seed: u64, size_mm: f64) -> impl Fn(f64) -> f64 {
 fn record(
     seed: u64,
     size_mm: f64,
-    speed: impl Fn(f64) -> f64,
+    speed: impl Fn(f64, f64) -> f64,
     mut reads: impl FnMut(f64) -> f64,
 ) -> Recording {
     let u = command(seed, size_mm);
@@ -44,7 +44,7 @@ fn record(
     for i in -2500..10_000_i32 {
         for k in 0..10 {
             let t = (f64::from(i) + f64::from(k) / 10.0) * H - delay_s;
-            let f = |s: f64, x: f64| speed(u(t + s) - x);
+            let f = |s: f64, x: f64| speed(u(t + s) - x, x);
             let (a, b) = (f(0.0, x), f(0.5 * dt, x + 0.5 * dt * f(0.0, x)));
             let c = f(0.5 * dt, x + 0.5 * dt * b);
             let d = f(dt, x + dt * c);
@@ -96,7 +96,7 @@ fn asked(make: impl Fn(u64) -> Recording) -> (ChannelAnswer, Model) {
 }
 
 /// A first-order valve.
-fn plain(e: f64) -> f64 {
+fn plain(e: f64, _: f64) -> f64 {
     e / 0.02
 }
 
@@ -119,7 +119,7 @@ fn nothing_is_missing_in_a_plain_actuator_that_begins_in_mid_motion_without_a_re
 #[test]
 fn unequal_areas_of_a_servo_cylinder_are_named_and_stay_in_the_model() {
     // Flow through an orifice out and back: proportional to the opening, by different areas.
-    let valve = |e: f64| if e > 0.0 { e / 0.018 } else { e / 0.022 };
+    let valve = |e: f64, _: f64| if e > 0.0 { e / 0.018 } else { e / 0.022 };
     let make = |seed| record(seed, 10.0, valve, |x| x);
     let (a, improved) = asked(make);
     assert!(named(&a).contains(&Effect::AsymmetricActuator));
@@ -128,6 +128,24 @@ fn unequal_areas_of_a_servo_cylinder_are_named_and_stay_in_the_model() {
     let again = diagnose(&improved, &[make(1)], &[make(2)], &[]).unwrap();
     let left = again.channels[0].error_before.test_rms;
     assert!(left < 1.5 * a.error_after.test_rms, "{left}");
+}
+
+/// A ram whose specimen takes a quarter of its pressure at 20 mm; its piston goes so much faster one way than the other.
+fn loaded(seed: u64, faster: f64) -> Recording {
+    let valve = move |e: f64, x: f64| {
+        let pressure = 1.0 - 0.0125 * x * e.signum();
+        (1.0 + faster * e.signum()) * e * pressure.sqrt() / 0.02
+    };
+    record(seed, 10.0, valve, |x| x)
+}
+
+#[test]
+fn a_specimen_behind_a_ram_is_no_finding_and_hides_none() {
+    let (sound, _) = asked(|seed| loaded(seed, 0.0));
+    assert_eq!(sound.verdict, Verdict::None, "{:?}", sound.notes);
+    assert!(sound.ordinary);
+    let (a, _) = asked(|seed| loaded(seed, 0.06));
+    assert_eq!(named(&a), [Effect::AsymmetricActuator], "{:?}", a.notes);
 }
 
 #[test]
@@ -160,7 +178,7 @@ fn sealed(seed: u64, play_mm: f64) -> Recording {
     let (mut oil, mut x, mut bristle, mut time) = (0.0, 0.0, 0.0_f64, -5.0);
     let dt = H / 10.0;
     // The ram's own equations in place of the record's; its clock runs beside that of the record.
-    let mut r = record(seed, 10.0, |_| 0.0, |_| 0.0);
+    let mut r = record(seed, 10.0, |_, _| 0.0, |_| 0.0);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed + 100);
     let (mut read, mut at) = (Vec::new(), 0.0_f64);
     while read.len() < r.time_s.len() {
@@ -230,7 +248,7 @@ fn seals_that_hold_the_piston_against_the_oil_are_friction() {
 
 #[test]
 fn a_pump_that_is_too_small_limits_the_speed() {
-    let make = |seed| record(seed, 10.0, |e| (e / 0.02).clamp(-120.0, 120.0), |x| x);
+    let make = |seed| record(seed, 10.0, |e, _| (e / 0.02).clamp(-120.0, 120.0), |x| x);
     let (a, _) = asked(make);
     assert!(named(&a).contains(&Effect::RateLimit), "{:?}", named(&a));
     assert!(a.error_after.test_rms < 0.2 * a.error_before.test_rms);

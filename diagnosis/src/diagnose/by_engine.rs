@@ -45,9 +45,8 @@ struct ChannelData<'a, A> {
     /// What is left below this share of the output is within the class of a good transducer: a name that is sure stands where a rest
     /// tells that it is no noise.
     transducer: f64,
-    /// Below the first, what any device of its kind leaves of its textbook model: only what comes down to the noise stands; below the
-    /// second nothing is said to be unknown.
-    ordinary: [f64; 2],
+    /// Below this share of the output is what any device of its kind leaves of a model that has what all of them have.
+    ordinary: f64,
 }
 
 impl<A: Asked> ChannelData<'_, A> {
@@ -56,37 +55,10 @@ impl<A: Asked> ChannelData<'_, A> {
         left.nrmse < self.transducer && !(self.told && matches!(said, Said::Names(_)))
     }
 
-    /// The same: what any device of its kind leaves.
-    fn is_of_its_kind(&self, said: &Said<A::Fit>, left: Share) -> bool {
-        let to_the_noise = Self::comes_to_the_noise(said);
-        let unknown = matches!(said, Said::Unknown(_));
-        self.beyond_noise(left) < self.ordinary[0] && !(to_the_noise && self.is_loud(left))
-            || self.is_ordinary(left) && unknown && !to_the_noise
-    }
-
-    /// Whether a model of what is said leaves nothing but noise.
-    fn comes_to_the_noise(said: &Said<A::Fit>) -> bool {
-        match said {
-            Said::Names(n) => n.model.evidence.left_rms() < engine::UNEXPLAINED,
-            Said::Set(c, _) | Said::Unknown(Some(c)) => c.evidence.left_rms() < engine::UNEXPLAINED,
-            _ => false,
-        }
-    }
-
-    /// The share of the output that is left, of what is no noise where a rest tells that.
-    fn beyond_noise(&self, left: Share) -> f64 {
-        let noise = if self.told { self.noise.rms } else { 0.0 };
-        left.nrmse * (1.0 - (noise / left.rms).powi(2)).max(0.0).sqrt()
-    }
-
-    /// What is left is as loud as the noise, beside it.
-    fn is_loud(&self, left: Share) -> bool {
-        left.rms > std::f64::consts::SQRT_2 * self.noise.rms
-    }
-
-    /// What is left is what any device of its kind leaves.
+    /// What is left, of what is no noise where a rest tells that, is what any device of its kind leaves.
     fn is_ordinary(&self, left: Share) -> bool {
-        self.beyond_noise(left) < self.ordinary[1]
+        let noise = if self.told { self.noise.rms } else { 0.0 };
+        left.nrmse * (1.0 - (noise / left.rms).powi(2)).max(0.0).sqrt() < self.ordinary
     }
 
     fn left(&self, fit: &A::Fit) -> Option<Left> {
@@ -196,13 +168,13 @@ impl ChannelDiagnosis<'_> {
         answer.refitted = advice::refitted(&self.base, &channel.data.declared(&declared));
         answer.noise_floor_rms = channel.noise.rms.min(answer.error_before.test_rms);
         let mut after = None;
+        let plain = self.share(&channel.left(&found.nothing)?[0], self.train);
+        let is_ordinary = channel.is_ordinary(plain);
         match &found.said {
             Said::Nothing => {
-                let plain = found.nothing.as_ref();
-                let parts = plain.is_some_and(|f| channel.data.is_of_higher_order(f));
-                answer.ordinary = parts && channel.is_ordinary(trained);
+                answer.ordinary = is_ordinary && channel.data.is_of_higher_order(&found.nothing);
             }
-            said if channel.is_of_its_kind(said, trained) => answer.ordinary = true,
+            _ if is_ordinary => answer.ordinary = true,
             said if channel.is_of_its_class(said, trained) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
@@ -225,12 +197,6 @@ impl ChannelDiagnosis<'_> {
                         Some(self.nearest(name, channel.data, &fit, [&before[1], &left], improved));
                 }
             }
-        }
-        let structured = !ChannelData::<A>::comes_to_the_noise(&found.said);
-        let unknown = answer.verdict == Verdict::Unknown && structured;
-        if unknown && channel.is_ordinary(trained) {
-            (answer.verdict, answer.nearest) = (Verdict::None, None);
-            answer.ordinary = true;
         }
         answer.unnamed = found.unnamed;
         let kept = after.as_ref().unwrap_or(&before);

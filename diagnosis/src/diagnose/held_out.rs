@@ -12,7 +12,9 @@ impl ChannelDiagnosis<'_> {
     pub(super) fn check_none_on_held_out(&self, answer: &mut ChannelAnswer) {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
-            Channel::Actuator => self.base.ordinary()[1].max(DISPLACEMENT_TRANSDUCER),
+            // An ordinary ram leaves of one motion what it leaves of another.
+            Channel::Actuator if answer.ordinary => BESIDE_NOISE * answer.error_before.train_nrmse,
+            Channel::Actuator => self.base.ordinary().max(DISPLACEMENT_TRANSDUCER),
             Channel::Specimen => TRANSDUCER,
         };
         if answer.verdict != Verdict::None || !left.is_finite() {

@@ -58,7 +58,7 @@ impl ActuatorModelFit {
         let mistakes = Channel::Actuator.mistakes().into_iter().zip(model.moved);
         let own = mistakes.enumerate().filter(|(i, n)| n.1 && !along(*i));
         let mut names: Vec<Effect> = own.map(|(_, n)| n.0).collect();
-        names.extend(model.parts.iter().map(Part::effect));
+        names.extend(model.parts.iter().filter_map(Part::effect));
         names.sort_by_key(|n| *n as usize);
         names.dedup();
         names
@@ -93,9 +93,9 @@ impl<'a> ActuatorChannel<'a> {
         if !whole.has_force() {
             kinds.retain(|k| *k != PartKind::Compliance);
         }
-        // Where no lag is declared, a second one is the first.
+        // Where no lag is declared, a second one is the first, and it is no position loop.
         if base.values[2] == 0.0 {
-            kinds.retain(|k| *k != PartKind::SecondLag);
+            kinds.retain(|k| !matches!(k, PartKind::SecondLag | PartKind::Load));
         }
         // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
         if !train.iter().all(|r| rest::spans(r).len() == 2) {
@@ -251,7 +251,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let mean = target.iter().sum::<f64>() / target.len() as f64;
         let moves = target.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
         let noise = self.score.noise * target.len() as f64;
-        let most = noise + POSITION_LOOP[0].powi(2) * moves;
+        let most = noise + POSITION_LOOP.powi(2) * moves;
         let mut claimed = f.fit.model.clone();
         loop {
             let without = claimed
@@ -371,7 +371,10 @@ impl Asked for ActuatorChannel<'_> {
     }
 
     fn settled(&self, fit: &ActuatorModelFit) -> ActuatorModelFit {
-        let settled = self.whole.fit(&fit.fit.model, fit.fit.declared);
+        // A model file has no place for what any sound ram has.
+        let mut model = fit.fit.model.clone();
+        model.parts.retain(|p| p.effect().is_some());
+        let settled = self.whole.fit(&model, fit.fit.declared);
         ActuatorModelFit {
             fit: settled.unwrap_or_else(|| fit.fit.clone()),
             ..fit.clone()

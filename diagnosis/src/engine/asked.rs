@@ -40,8 +40,8 @@ pub struct Found<F> {
     pub said: verdict::Said<F>,
     /// The declared model, its parameters within their tolerances.
     pub declared: F,
-    /// The likeliest model without a name, where nothing is missing.
-    pub nothing: Option<F>,
+    /// The likeliest model without a name.
+    pub nothing: F,
     /// How probable it is that something without a name is there; `None` where no rival without a name was asked.
     pub unnamed: Option<f64>,
 }
@@ -53,12 +53,10 @@ impl<F: Clone> Found<F> {
         let [sure, most] = verdict::NOTHING;
         let allowed = if told { [sure; 2] } else { [sure, most] };
         let said = verdict::verdict(&posterior, allowed);
-        let plain = posterior
-            .declared()
-            .filter(|_| matches!(said, verdict::Said::Nothing));
+        let nothing = posterior.declared().map(|c| c.model.clone());
         let asked = posterior.models.iter().any(|m| m.0.nameless);
         Self {
-            nothing: plain.map(|c| c.model.clone()),
+            nothing: nothing.unwrap_or_else(|| declared.clone()),
             unnamed: asked.then(|| posterior.unnamed()),
             said,
             declared,

@@ -90,13 +90,13 @@ impl Base {
         }
     }
 
-    /// What any device of its kind leaves of its textbook model, as shares of the output ([`POSITION_LOOP`]); nothing of a specimen, and
+    /// What any device of its kind leaves of its textbook model, as a share of the output ([`POSITION_LOOP`]); nothing of a specimen, and
     /// of a path without a lag, which is no position loop.
-    pub fn ordinary(&self) -> [f64; 2] {
+    pub fn ordinary(&self) -> f64 {
         if self.channel == Channel::Actuator && self.values[2] > 0.0 {
             POSITION_LOOP
         } else {
-            [0.0; 2]
+            0.0
         }
     }
 

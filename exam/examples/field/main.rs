@@ -1,7 +1,7 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --settle=N]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --hidden | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
@@ -9,11 +9,13 @@
 //! `--rams` sets rams under their position loops, every second one sound, and says by how much the aims of the field trial are missed.
 //! `--evidence` lists each name that was given for sure, whether it is false, what its model leaves of the error, and its `q`.
 //! `--noise` compares the noise that is stated of the records without a rest with the true one.
+//! `--hidden` compares what the best sound ram leaves of a faulty one's record with the noise: the least that can be found.
 //! `--settle=100` plays what `--next` designs on the first hundred rigs whose first record is ambiguous, twice at most, and what the
 //! notes advise.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
 mod grading;
+mod hidden;
 mod noise;
 mod settle;
 
@@ -75,6 +77,10 @@ fn main() {
     }
     if arguments.iter().any(|a| a == "--noise") {
         noise::all(seeds, set, list);
+        return;
+    }
+    if arguments.iter().any(|a| a == "--hidden") {
+        hidden::all(seeds, list);
         return;
     }
     let wanted = arguments

@@ -17,6 +17,7 @@
 
 mod drive;
 mod force;
+mod hidden;
 mod mark;
 mod motion;
 mod ram;
@@ -94,10 +95,7 @@ pub fn faults() -> impl Iterator<Item = &'static str> {
 /// The record of a ram under its position loop; half of them are sound, faults take turns. What is declared was identified on a calm
 /// day, with tolerances as a laboratory has them.
 pub fn set_ram(seed: u64) -> Field {
-    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x4A11);
-    let plan = Plan::of_rams(&mut dice);
-    let reading = Reading::of_rams(&mut dice);
-    let ram = Ram::draw(Fault::of(seed), plan.amplitude_mm, plan.speed(), &mut dice);
+    let (mut dice, plan, reading, ram) = ram_of(seed);
     let command = plan.motions(&mut dice).swap_remove(0).x;
     let fitted = ram.identified(&command, &mut dice);
     let tolerances = [0.005, 1.0, 2.0, 0.05];
@@ -111,6 +109,23 @@ pub fn set_ram(seed: u64) -> Field {
         (stand, truth),
         &mut dice,
     )
+}
+
+fn ram_of(seed: u64) -> (Dice, Plan, Reading, Ram) {
+    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x4A11);
+    let plan = Plan::of_rams(&mut dice);
+    let reading = Reading::of_rams(&mut dice);
+    let ram = Ram::draw(Fault::of(seed), plan.amplitude_mm, plan.speed(), &mut dice);
+    (dice, plan, reading, ram)
+}
+
+/// What the best sound ram leaves of the displacement of a seed's ram, over the noise of its reading: a fault that leaves less than
+/// the noise cannot be found.
+pub fn hidden_by_a_sound_ram(seed: u64) -> f64 {
+    let (mut dice, plan, _, ram) = ram_of(seed);
+    let command = plan.motions(&mut dice).swap_remove(0).x;
+    let sound = ram.sound(plan.speed(), &dice);
+    hidden::beyond_sound(&ram, &sound, &command) / set_ram(seed).noise_rms
 }
 
 /// A declared value that is off by about a tolerance.

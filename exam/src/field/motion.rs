@@ -255,7 +255,9 @@ impl Plan {
                 .map(|i| 0.5 * a * (1.2 + sweep(i, 0.2 * hz)))
                 .collect(),
             Move::Random => {
-                let white: Vec<f64> = (0..n).map(|_| dice.normal()).collect();
+                // From rest: a filter that begins at white noise's own level is sized by how that dies away.
+                let white = (0..n).map(|i| if i == 0 { 0.0 } else { dice.normal() });
+                let white: Vec<f64> = white.collect();
                 let tau = 0.25 / (TAU * 0.25 * hz);
                 let smooth = lag(&lag(&lag(&white, tau), tau), tau);
                 let slow = lag(&smooth, 8.0 * tau);

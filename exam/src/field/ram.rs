@@ -128,6 +128,69 @@ impl Ram {
         }
     }
 
+    /// The same with what a sound one has in place of what is wrong.
+    pub(super) fn sound(&self, speed_mm_per_s: f64, dice: &Dice) -> Self {
+        let own = Self::draw(Fault::Sound, 1.0, speed_mm_per_s, &mut dice.clone());
+        let is = |fault| self.fault == fault;
+        Self {
+            fault: Fault::Sound,
+            oil_hz: if is(Fault::SoftHoses) {
+                own.oil_hz
+            } else {
+                self.oil_hz
+            },
+            seals: if is(Fault::TightSeals) {
+                own.seals
+            } else {
+                self.seals
+            },
+            speed: if is(Fault::SmallValve) {
+                own.speed
+            } else {
+                self.speed
+            },
+            overlap: own.overlap,
+            area_ratio: own.area_ratio,
+            sag: own.sag,
+            ..self.clone()
+        }
+    }
+
+    /// Delay and lag, s, valve and oil, Hz, load, N/m.
+    pub(super) const fn numbers(&self) -> [f64; 5] {
+        [
+            self.delay_s,
+            self.lag_s,
+            self.valve_hz,
+            self.oil_hz,
+            self.load,
+        ]
+    }
+
+    /// The same with these.
+    pub(super) fn with(&self, [delay_s, lag_s, valve_hz, oil_hz, load]: [f64; 5]) -> Self {
+        Self {
+            delay_s,
+            lag_s,
+            valve_hz,
+            oil_hz,
+            load,
+            ..self.clone()
+        }
+    }
+
+    /// What sound ones may have; a laboratory has found delay and lag.
+    pub(super) fn sound_ranges(&self) -> [[f64; 2]; 5] {
+        let load = (2.0 * self.load).max(1e5);
+        [
+            [0.0, 6e-3],
+            [5e-3, 40e-3],
+            [50.0, 150.0],
+            [60.0, 130.0],
+            [0.0, load],
+        ]
+    }
+
     /// The same on a calm day: nothing is wrong with it, and nothing hangs on it.
     fn calm(&self) -> Self {
         Self {

@@ -63,7 +63,7 @@ impl ActuatorData<'_> {
             } else {
                 (0.0, 0.0)
             };
-            if part.effect() != name {
+            if part.effect() != Some(name) {
                 continue;
             }
             out.extend(part_figures(part, [strength, ss], scatter, [gain, lag_s]));
@@ -105,6 +105,7 @@ impl ActuatorData<'_> {
                 PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
+                PartKind::Load => continue,
                 PartKind::Play => vec![("width_mm", width)],
                 // Behind gain and offset, as a model file has them.
                 PartKind::DeadBand => {
@@ -133,7 +134,7 @@ impl ActuatorData<'_> {
                 PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
                 PartKind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
             };
-            effects.push(EffectSpec::new(part.kind.effect(), &parameters));
+            effects.extend(part.kind.effect().map(|e| EffectSpec::new(e, &parameters)));
         }
     }
 }
@@ -156,6 +157,7 @@ fn part_figures(
         PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
         PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
         PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+        PartKind::Load => Vec::new(),
         PartKind::Play | PartKind::DeadBand => {
             vec![("width_mm", "mm", a * gain, sa * gain)]
         }

@@ -19,6 +19,9 @@ pub enum PartKind {
     FlowLimit,
     /// A largest speed, mm/s.
     RateLimit,
+    /// The root of the pressure that a spring behind the piston leaves to the flow: its force a mm, over that which stalls the piston.
+    /// Any ram with a specimen has it, so that it has no name.
+    Load,
     /// Play behind the drive: its width, mm.
     Play,
     /// No answer to commands within a band: its width and its middle, mm.
@@ -62,7 +65,7 @@ pub struct ActuatorScales {
 
 impl PartKind {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
@@ -70,6 +73,7 @@ impl PartKind {
         Self::Overlap,
         Self::FlowLimit,
         Self::RateLimit,
+        Self::Load,
         Self::Play,
         Self::DeadBand,
         Self::Stops,
@@ -82,9 +86,10 @@ impl PartKind {
         Self::GainDrift,
     ];
 
-    /// The name of the catalogue.
-    pub const fn effect(self) -> Effect {
-        match self {
+    /// The name of the catalogue; none of what any sound ram has.
+    pub const fn effect(self) -> Option<Effect> {
+        Some(match self {
+            Self::Load => return None,
             Self::SecondLag => Effect::SecondLag,
             Self::OilColumn => Effect::OilColumn,
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Effect::AsymmetricActuator,
@@ -97,7 +102,7 @@ impl PartKind {
             Self::Compliance => Effect::RigCompliance,
             Self::Drift => Effect::Drift,
             Self::GainDrift => Effect::TemperatureGain,
-        }
+        })
     }
 
     /// The declared parameter that it may take out of its tolerance with it, without a name for that: a piston that goes faster one way
@@ -120,6 +125,7 @@ impl PartKind {
             Self::Drift | Self::GainDrift => 5,
             Self::Stops => 6,
             Self::Compliance => 7,
+            Self::Load => 8,
         };
         // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
         let beside = |a, b| a == Self::Play && matches!(b, Self::Seal | Self::StickySeal);
@@ -153,6 +159,7 @@ impl PartKind {
                 | Self::Overlap
                 | Self::FlowLimit
                 | Self::RateLimit
+                | Self::Load
                 | Self::Seal
                 | Self::StickySeal
         )
@@ -164,6 +171,7 @@ impl PartKind {
             Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 3.7,
             Self::StickySeal => 4.5,
             Self::DeadBand => 3.3,
+            Self::Load => 1.0,
             _ => 3.0,
         }
     }
@@ -187,6 +195,7 @@ impl PartKind {
             Self::Overlap => spread(0.01 * s.opening_mm, 0.5 * s.opening_mm, 6),
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
+            Self::Load => [0.05, 0.2].map(|l| shapes([l / s.x_mm])).to_vec(),
             // The reading's own size is what they leave of the motion: they may be wider than that.
             Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
             Self::Stops => {
@@ -235,6 +244,7 @@ impl PartKind {
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
             (Self::FlowLimit, _) => [0.05 * s.opening_mm, 2.0 * s.opening_mm],
             (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
+            (Self::Load, _) => [0.0, 0.8 / s.x_mm],
             (Self::DeadBand, 1) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
@@ -256,6 +266,7 @@ impl PartKind {
             (Self::OilColumn, _) => 2e-3,
             (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
             (Self::TwoSpeeds, _) => 1e-3,
+            (Self::Load, _) => 1e-3 / s.x_mm,
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
             (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
             (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,
@@ -271,9 +282,9 @@ const STICKS: f64 = 1.05;
 
 impl Part {
     /// The name of the catalogue.
-    pub fn effect(&self) -> Effect {
+    pub fn effect(&self) -> Option<Effect> {
         match self.kind {
-            PartKind::StickySeal if self.shapes[2] < STICKS => Effect::CoulombFriction,
+            PartKind::StickySeal if self.shapes[2] < STICKS => Some(Effect::CoulombFriction),
             kind => kind.effect(),
         }
     }

@@ -116,8 +116,9 @@ impl SignalPath {
             for k in 0..substeps as usize {
                 let u = pair[0] + rise * k as f64;
                 // Midpoint rule.
-                let half = seal.hold(ram, oil + 0.5 * dt * flow.at(u - ram.at_mm), 2.0 / dt);
-                oil += dt * flow.at(u + 0.5 * rise - half.at_mm);
+                let begins = flow.at(u - ram.at_mm, ram.at_mm);
+                let half = seal.hold(ram, oil + 0.5 * dt * begins, 2.0 / dt);
+                oil += dt * flow.at(u + 0.5 * rise - half.at_mm, half.at_mm);
                 ram = seal.hold(ram, oil, 1.0 / dt);
             }
             out.push(ram.at_mm);
@@ -208,6 +209,8 @@ struct Flow {
     saturates_mm: f64,
     /// mm/s.
     most: f64,
+    /// 1/mm.
+    load: f64,
     per_lag: f64,
 }
 
@@ -223,16 +226,20 @@ impl Flow {
             two_speeds: of(PartKind::TwoSpeeds, 0.0),
             saturates_mm: of(PartKind::FlowLimit, f64::INFINITY),
             most: of(PartKind::RateLimit, f64::INFINITY),
+            load: of(PartKind::Load, 0.0),
             per_lag: 1.0 / lag_s,
         }
     }
 
-    /// Speed of the oil behind an opening, mm/s.
+    /// Speed of the oil behind an opening where the piston stands, mm/s.
     #[inline]
-    fn at(&self, opening_mm: f64) -> f64 {
+    fn at(&self, opening_mm: f64, at_mm: f64) -> f64 {
         let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
         e *= (1.0 + self.unequal_areas * e).max(0.1);
         e += self.two_speeds * e.abs();
+        if self.load > 0.0 {
+            e *= (1.0 - self.load * at_mm * e.signum()).max(0.01).sqrt();
+        }
         if self.saturates_mm.is_finite() {
             // The hyperbolic tangent by one exponential, which is what most of the time goes into.
             let grown = (2.0 * e / self.saturates_mm).min(MOST_EXPONENT).exp();
