@@ -5,7 +5,7 @@
 //! precision as the controller has them; `units` names their units. `test_file`, `summary`, `provenance` and `repeat` are
 //! text; `ground_motion_m_per_s2` are the points that were laid under the test.
 
-use crate::orders::OperatorOrder;
+use crate::order_recorder::OperatorOrder;
 use crate::provenance::{Provenance, hash};
 use crate::site::RigKind;
 use experiment::compensation::Compensation;

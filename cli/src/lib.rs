@@ -6,7 +6,7 @@
 //! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
 //! | `document` | sentences, tables and plots, for the terminal and for a page |
 //! | `answer` | what each verb answers, as such a document |
-//! | `orders` | what an operator asked of a running test, for its replay |
+//! | `order_recorder` | what an operator asked of a running test, for its replay |
 //! | `difference` | two tests that ran, side by side |
 //! | `many` | a test over the values of one key, or on drawn rigs |
 //! | [`archive`] | what a test leaves in its folder, for its replay |
@@ -48,7 +48,7 @@ mod document;
 pub mod improve;
 mod keys;
 mod many;
-mod orders;
+mod order_recorder;
 pub mod program;
 mod provenance;
 mod scope;

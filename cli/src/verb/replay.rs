@@ -4,7 +4,7 @@ use super::rig_arguments::RigArguments;
 use super::{hand_over_found, json};
 use crate::archive;
 use crate::document::{Document, Grade};
-use crate::orders::OrderReplay;
+use crate::order_recorder::OrderReplay;
 use crate::provenance;
 use crate::site::{RigKind, TestSite};
 use crate::terminal::Progress;

@@ -5,7 +5,7 @@ use super::{CommonArguments, MethodName, hand_over, json};
 use crate::answer::{of_played, of_run};
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
-use crate::orders::{OperatorOrder, OrderRecorder};
+use crate::order_recorder::{OperatorOrder, OrderRecorder};
 use crate::provenance::WithProvenance;
 use crate::scope::Scoped;
 use crate::site::{RigKind, TestSite};
