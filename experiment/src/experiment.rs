@@ -346,7 +346,10 @@ impl Experiment {
     /// The same on a rig that differs by `vary`, which is not declared to the loop.
     pub fn on_rig(&self, vary: &Variation) -> Self {
         let mut own = self.clone();
-        own.test.plant = vary.of(&own.test.plant, &own.test.config);
+        match &mut own.test.coupled {
+            None => own.test.plant = vary.of(&own.test.plant, &own.test.config),
+            Some(part) => part.rig = vary.of_coupled(&part.rig),
+        }
         own
     }
 

@@ -36,7 +36,10 @@ impl Experiment {
     }
 
     /// The same test under this compensation.
-    fn under(&self, compensation: Compensation) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// A compensation of the other kind of test.
+    pub fn under(&self, compensation: Compensation) -> Result<Self, Failure> {
         let mut own = self.clone();
         match (compensation, &mut own.test.coupled) {
             (Compensation::Method(method), None) => own.test.config.compensation.kind = method,

@@ -153,7 +153,7 @@ const STOPPED: &str =
     " The simulation was stopped there: no limit was declared, and no rig could follow.";
 
 /// What tripped, beside its limit, in the unit of the fault.
-pub fn against_limit(t: Trip) -> String {
+fn against_limit(t: Trip) -> String {
     against_limit_in(t, t.fault.unit())
 }
 
@@ -299,14 +299,22 @@ impl Summary {
                 "Tripped on {name} {after}: the actuator was read further out than it was sent, {}.",
                 against_limit(t)
             ),
-            _ => match &self.coupled {
-                None => format!("Tripped on {name} {after}: {}.", against_limit(t)),
-                Some(coupled) => format!(
-                    "Tripped on {name} of {} {after}: {}.",
-                    coupled.trip_axis.unwrap_or("the rig"),
-                    against_limit_in(t, CoupledFigures::unit_of(t))
-                ),
-            },
+            _ => {
+                let (what, against) = self.trip_in_words(t);
+                format!("Tripped on {what} {after}: {against}.")
+            }
+        }
+    }
+
+    /// What `t` tripped on, and its value against its limit.
+    pub(crate) fn trip_in_words(&self, t: Trip) -> (String, String) {
+        let name = t.fault.name();
+        match &self.coupled {
+            None => (name.to_owned(), against_limit(t)),
+            Some(coupled) => (
+                format!("{name} of {}", coupled.trip_axis.unwrap_or("the rig")),
+                against_limit_in(t, CoupledFigures::unit_of(t)),
+            ),
         }
     }
 

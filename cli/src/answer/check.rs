@@ -94,7 +94,7 @@ fn watched(judgement: &Judgement) -> String {
 }
 
 /// The error to expect, in words.
-fn expected(judgement: &Judgement) -> String {
+pub(super) fn expected(judgement: &Judgement) -> String {
     if !judgement.expected_eps_rms.is_finite() {
         return "none, since the planned motion does not run to its end".into();
     }

@@ -1,6 +1,6 @@
 //! A check of two coupled actuators, and what their test has beside other tests.
 
-use super::check::said;
+use super::check::{expected, said};
 use super::figures::Figures;
 use super::section::{TestSection, lead};
 use super::summaries::{rotation, tracking};
@@ -8,7 +8,7 @@ use crate::document::{Document, table};
 use experiment::Experiment;
 use experiment::coupled::figures::CoupledFigures;
 use experiment::coupled::planned::CoupledCheck;
-use experiment::numbers::{percent, si};
+use experiment::numbers::{percent, percent_or_lost, si};
 use experiment::trace::{Response, Trace};
 
 /// What the test found out about the actuators.
@@ -52,31 +52,28 @@ pub fn of_coupled_check(
 ) -> Document {
     let title = format!("May this test be run? {}", c.planned.record);
     let mut d = Document::new(title, lead(experiment, &c.planned), planned.is_some());
+    let j = &c.judgement;
     d.verdict(
-        c.verdict,
-        said(c.verdict.name(), c.reason.trim_end_matches('.')),
+        j.verdict,
+        said(j.verdict.name(), j.reason.trim_end_matches('.')),
     );
-    d.tell(format!(
-        "Expected error: {} rms; at worst {} on a rig that differs.\n",
-        percent(c.expected_eps_rms),
-        percent(c.expected_eps_rms_differing),
-    ));
+    d.tell(format!("Expected error: {}.\n", expected(j)));
     d.tell(experiment.in_words());
-    if let Some(watch) = &c.planned.watch {
+    if let Some(watch) = &j.watch {
         d.tell(watch.not_watched.join(" "));
     }
     d.tiles(vec![
         (
-            percent(c.expected_eps_rms),
+            percent_or_lost(j.expected_eps_rms),
             "expected rms error, worst coordinate (Eq 18)".into(),
         ),
         (
-            percent(c.expected_eps_rms_differing),
-            "the same, worst of the rigs that differ".into(),
+            percent_or_lost(j.expected_eps_rms_differing),
+            "the same on a rig that differs by a standard deviation".into(),
         ),
         (
             format!("{} of {}", c.lost, c.plants),
-            "rigs that differ on which the test is lost".into(),
+            "drawn rigs on which the test is lost".into(),
         ),
     ]);
     d.heading("The limits, and what the planned motion takes of them");
@@ -92,8 +89,11 @@ pub fn of_coupled_check(
     }
     d.table(t);
     d.tell(format!(
-        "{} of {} rigs that differ are lost.",
-        c.lost, c.plants
+        "Not in the verdict, on {} rigs drawn around the simulated one, each number by itself: {} are lost, and on the worst of the \
+         others the error is {} rms.",
+        c.plants,
+        c.lost,
+        percent(c.drawn_eps_rms)
     ));
     if let Some((trace, ideal)) = planned {
         let section = TestSection {

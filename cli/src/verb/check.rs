@@ -11,12 +11,10 @@ use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
 use experiment::method;
-use experiment::numbers::percent;
 use experiment::soundness::{self, Judgement, SoundnessVerdict};
 use experiment::stability::perturbed::Spread;
 use experiment::stability::small_motion::Learning;
 use experiment::stability::{self, Stability};
-use experiment::summary::GOOD_EPS_RMS;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -45,10 +43,10 @@ pub struct Check {
     /// Seed of their draw
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Standard deviation of the actuator's times, per cent
+    /// Standard deviation of the actuator's times, per cent; of two coupled ones where [coupled.spread] declares none
     #[arg(long, default_value_t = 10.0, value_name = "PERCENT")]
     delay_spread: f64,
-    /// Standard deviation of the actuator's gain, per cent
+    /// Standard deviation of the actuator's gain, per cent; of two coupled ones where [coupled.spread] declares none
     #[arg(long, default_value_t = 2.0, value_name = "PERCENT")]
     gain_spread: f64,
     /// Standard deviation of the specimen's stiffness, per cent
@@ -155,23 +153,12 @@ fn judge(
     let test = &experiment.test;
     let progress = Progress::over("tests", 3);
     let mut judgement = soundness::judge(experiment, spread, || progress.add(1))?;
-    if judgement.verdict == SoundnessVerdict::Stable {
-        return Ok(judgement);
-    }
-    if let Some(reason) = answer.reason.as_ref().filter(|_| soundness::fixed(test)) {
+    let not_stable = judgement.verdict != SoundnessVerdict::Stable;
+    let by_small_motions = not_stable && soundness::fixed(test);
+    if let Some(reason) = answer.reason.as_ref().filter(|_| by_small_motions) {
         judgement.reason = reason.clone();
     }
-    let others: Vec<String> = soundness::alternatives(experiment, GOOD_EPS_RMS)?
-        .into_iter()
-        .take(3)
-        .map(|(name, eps)| format!("{name} ({})", percent(eps)))
-        .collect();
-    if !others.is_empty() {
-        judgement.reason += &format!(
-            "; the planned motion is good with the compensations {}",
-            others.join(", ")
-        );
-    }
+    judgement.add_alternatives(experiment)?;
     Ok(judgement)
 }
 

@@ -45,15 +45,15 @@ pub(super) struct CoupledCheckRequest<'a> {
 /// # Errors
 /// Bad input; a test that may not be run.
 pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<(), Failure> {
-    let kind = match asked.compensation {
-        Some(name) => test.compensation_named(name)?,
-        None => test.compensation(),
-    };
-    let experiment = Experiment::new(test.clone(), &asked.shaking, None)?;
-    let (check, ideal, run) = {
+    let mut experiment = Experiment::new(test.clone(), &asked.shaking, None)?;
+    if let Some(name) = asked.compensation {
+        experiment = experiment.under(test.compensation_named(name)?)?;
+    }
+    let (mut check, ideal, run) = {
         let progress = Progress::over("rigs", asked.spread.plants as u64);
-        planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
+        planned::check(&experiment, &asked.spread, || progress.add(1))?
     };
+    check.judgement.add_alternatives(&experiment)?;
     let text = json(&WithProvenance::seeded(&check, asked.spread.seed))?;
     hand_over(
         (asked.out, asked.json),
@@ -68,6 +68,6 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
             Ok(of_coupled_check(&experiment, &check, planned))
         },
     )?;
-    let said = format!("{}: {}", check.verdict.name(), check.reason);
-    check.verdict.outcome(said)
+    let (verdict, reason) = (check.judgement.verdict, &check.judgement.reason);
+    verdict.outcome(format!("{}: {reason}", verdict.name()))
 }

@@ -14,6 +14,9 @@ use std::time::Instant;
 /// Idle steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: usize = 256;
 
+/// Control steps for which the target stands behind the ramp at the end of a ground motion before nobody looks any longer.
+const STANDS_STEPS: usize = 500;
+
 /// Control steps in which a gain changes: hydraulics have no jumps.
 pub const GAIN_STEPS: usize = 100;
 
@@ -145,12 +148,20 @@ impl PlantBench<'_> {
         }
         let mut in_place = InPlace::beside(&outer);
         let mut command_m = [0.0; N];
-        let (mut idle, mut done) = (0, 0);
+        let (mut idle, mut done, mut stands) = (0, 0, 0);
+        let mut last_target_m = [0.0; N];
         while done < test.steps {
             let (sample, reading) = rig(&mut command_m, done, outer.mode());
             let before = outer.mode();
             let step = outer.step(&sample, &test.ground);
             command_m = step.command_m.map(f64::from);
+            let target_m = step.record.command_m;
+            stands = if target_m == last_target_m {
+                stands + 1
+            } else {
+                0
+            };
+            last_target_m = target_m;
             match before {
                 Mode::Running | Mode::Resuming => {
                     observer.on_step(&AnyRecord {
@@ -190,7 +201,9 @@ impl PlantBench<'_> {
                 by_hand = true;
                 break;
             }
-            if matches!(outer.mode(), Mode::Finished | Mode::Tripped) {
+            // The ramp at the end of the ground motion belongs to the test: interlocks act on it, too.
+            let ended = outer.mode() == Mode::Finished && stands >= STANDS_STEPS;
+            if ended || outer.mode() == Mode::Tripped {
                 break;
             }
         }

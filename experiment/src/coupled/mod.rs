@@ -9,6 +9,7 @@
 //! | [`interface`] | what its record has beside that of others, and sums over it: both systems of coordinates |
 //! | [`figures`] | the figures that only such a test has |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
+//! | [`stop`] | whether it can be stopped where it is fastest |
 
 pub mod figures;
 pub mod ideal;
@@ -16,4 +17,5 @@ pub mod interface;
 pub mod part;
 pub mod planned;
 pub mod settings;
+mod stop;
 pub mod table;

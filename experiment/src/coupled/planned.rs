@@ -1,14 +1,14 @@
-//! Whether a test of two coupled actuators may be run: the declared rig, rigs that differ from it, and the limits.
+//! Whether a test of two coupled actuators may be run: the verdict of every test, its limits, a stop, and what drawn rigs would do.
 
-use super::table::CoupledLimits;
-use crate::compensation::Compensation;
+use super::stop;
+use super::table::{CoupledLimits, SpreadTable};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::judged::JudgedRun;
-use crate::numbers::percent;
-use crate::soundness::SoundnessVerdict;
+use crate::numbers::{percent, percent_or_lost};
+use crate::soundness::{self, Judgement, SoundnessVerdict};
 use crate::stability::perturbed::Spread;
-use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, Validity};
+use crate::summary::{POOR_EPS_RMS, Summary};
 use crate::trace::{Response, Trace};
 use plant::coupled::CoupledRigSpec;
 use rand_core::SeedableRng;
@@ -38,130 +38,134 @@ pub struct LimitUse {
 /// What the check says. The keys that other checks have, too, mean the same.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CoupledCheck {
-    /// The verdict.
-    pub verdict: SoundnessVerdict,
-    /// Why.
-    pub reason: String,
-    /// eps_rms on the rig as declared, worst coordinate.
-    pub expected_eps_rms: f64,
-    /// The same, worst of the rigs that differ and went to their end.
-    pub expected_eps_rms_differing: f64,
-    /// Rigs that differ.
+    /// The verdict, and what it stands on.
+    #[serde(flatten)]
+    pub judgement: Judgement,
+    /// Rigs that were drawn around the simulated one. They are no part of the verdict.
     pub plants: usize,
     /// Of those, tests that tripped or ran away.
     pub lost: usize,
+    /// eps_rms, worst of the drawn rigs on which the test went to its end.
+    pub drawn_eps_rms: f64,
     /// The limits.
     pub limits: Vec<LimitUse>,
-    /// The test on the rig as declared.
+    /// The test on the simulated rig.
     pub planned: Summary,
 }
 
-/// A check, and the test on the rig as declared.
+/// A check, and the test on the simulated rig.
 pub type CheckedTrial = (CoupledCheck, Response, JudgedRun);
 
 /// From this share of a limit on, a planned motion is near it.
 const NEAR: f64 = 0.9;
+/// So many times the planned motion runs under other noise: what `coupled` learns may come out well by one noise and wrong by the next.
+const OTHER_NOISES: u64 = 10;
 
-/// Plans the test on the rig that the test file declares, with its sensors, and on rigs that differ from it by `spread`: poles,
-/// zeros and delays by the spread of the delay, gains and the specimen's stiffness and damping by theirs.
+/// Judges a test as every other is judged, and by its limits and a stop. Beside the verdict it runs on rigs that are drawn around the
+/// simulated one, each of whose numbers differs by itself: poles, zeros and delays by the spread of the delay, gains and the
+/// specimen's stiffness and damping by theirs. Of the actuators the test file declares the spreads in `[coupled.spread]`.
 ///
 /// # Errors
 /// A test that cannot be laid out.
 pub fn check(
-    experiment: &Experiment,
-    kind: Compensation,
+    e: &Experiment,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<CheckedTrial, Failure> {
-    let part = experiment.test.coupled_part()?;
-    let (d, mut rig) = (&part.declared, part.rig.clone());
-    rig.ideal = false;
-    (rig.actuators, rig.specimen.stiffness) = (d.actuators.clone(), d.specimen.stiffness);
-    (rig.specimen.damping, rig.specimen.mass) = (d.specimen.damping, d.specimen.mass);
-    let on = |rig: CoupledRigSpec, keep: bool| {
-        let own = experiment.on_coupled_rig(rig)?;
-        let ideal = own.ideal()?;
-        let run = own.run(kind, &ideal, spread.seed, keep, ())?;
-        Ok::<_, Failure>((ideal, run))
-    };
-    let (ideal, run) = on(rig.clone(), true)?;
-    let others = (0..spread.plants)
-        .into_par_iter()
-        .map(|i| {
-            let (_, other) = on(differing(&rig, spread, i as u64), false)?;
-            one_done();
-            Ok(other.summary)
-        })
-        .collect::<Result<Vec<_>, Failure>>()?;
-    let planned = &run.summary;
-    let went = |s: &&Summary| s.verdict == TestVerdict::Completed;
-    let lost = others.iter().filter(|s| !went(s)).count();
-    let worst = others.iter().filter(went).map(|s| s.eps_rms);
-    let worst = worst.fold(planned.eps_rms, f64::max);
+    let part = e.test.coupled_part()?;
+    let spread = &of_declared(&part.declared.spread, spread);
+    let mut judgement = soundness::judge(e, spread, || ())?;
+    let kind = e.test.compensation();
+    let ideal = e.ideal()?;
+    let run = e.run(kind, &ideal, spread.seed, true, ())?;
     let limits = run
         .trace
         .as_ref()
-        .map_or_else(Vec::new, |trace| limits(&d.limits, trace));
-    let (verdict, reason) = judge(planned, (lost, spread.plants), worst, &limits);
+        .map_or_else(Vec::new, |trace| limits(&part.declared.limits, trace));
+    if judgement.verdict == SoundnessVerdict::Stable {
+        let mut doubt = near_a_limit(&limits);
+        if doubt.is_none() {
+            doubt = under_other_noise(e, &ideal, spread.seed)?;
+        }
+        if doubt.is_none() {
+            doubt = stop::doubt(e, &ideal, spread.seed)?;
+        }
+        if let Some(reason) = doubt {
+            (judgement.verdict, judgement.reason) = (SoundnessVerdict::Doubtful, reason);
+        }
+    }
+    let drawn = (0..spread.plants)
+        .into_par_iter()
+        .map(|i| {
+            let own = e.on_coupled_rig(differing(&part.rig, spread, i as u64))?;
+            let summary = own
+                .run(kind, &own.ideal()?, spread.seed, false, ())?
+                .summary;
+            one_done();
+            Ok(summary.error())
+        })
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let went = drawn.iter().filter(|eps| eps.is_finite());
     let check = CoupledCheck {
-        verdict,
-        reason,
-        expected_eps_rms: planned.eps_rms,
-        expected_eps_rms_differing: worst,
+        judgement,
         plants: spread.plants,
-        lost,
+        lost: spread.plants - went.clone().count(),
+        drawn_eps_rms: went.copied().fold(0.0, f64::max),
         limits,
-        planned: planned.clone(),
+        planned: run.summary.clone(),
     };
     Ok((check, ideal, run))
 }
 
-fn judge(
-    planned: &Summary,
-    (lost, plants): (usize, usize),
-    worst: f64,
-    limits: &[LimitUse],
-) -> (SoundnessVerdict, String) {
-    if planned.validity() == Validity::Bad {
-        return (
-            SoundnessVerdict::Unstable,
-            format!(
-                "the planned motion on the rig as declared: {}",
-                planned.sentence()
-            ),
-        );
+/// `spread` with what the test file declares of its actuators' times and gains, where it does.
+fn of_declared(declared: &SpreadTable, spread: &Spread) -> Spread {
+    let times = [
+        declared.slow_pole_ratio,
+        declared.fast_pole_ratio,
+        declared.lead_ratio,
+        declared.path_lead_ratio,
+        declared.natural_ratio,
+    ];
+    let or = |declared: f64, asked| if declared > 0.0 { declared } else { asked };
+    Spread {
+        delay: or(times.into_iter().fold(0.0, f64::max), spread.delay),
+        gain: or(declared.gain_ratio, spread.gain),
+        ..*spread
     }
-    if lost > 0 {
-        return (
-            SoundnessVerdict::Doubtful,
-            format!(
-                "{lost} of {plants} rigs that differ from the declared one tripped or ran away"
-            ),
-        );
-    }
-    if worst > POOR_EPS_RMS {
-        return (
-            SoundnessVerdict::Doubtful,
-            format!("on a rig that differs the error is {}", percent(worst)),
-        );
-    }
-    if let Some(near) = limits.iter().find(|l| l.share > NEAR) {
-        return (
-            SoundnessVerdict::Doubtful,
-            format!(
-                "the planned motion takes {} of coupled.limits.{} ({})",
-                percent(near.share),
-                near.name,
-                near.of
-            ),
-        );
-    }
-    (
-        SoundnessVerdict::Stable,
+}
+
+/// What is doubtful about the planned motion where its noise is another.
+fn under_other_noise(
+    e: &Experiment,
+    ideal: &Response,
+    seed: u64,
+) -> Result<Option<String>, Failure> {
+    // The first seeds are those of the rig itself and of the two that differ.
+    let seeds = (0..OTHER_NOISES)
+        .into_par_iter()
+        .map(|i| seed.wrapping_add(10 + i));
+    let errors = seeds.map(|seed| Ok(soundness::planned(e, ideal, seed)?.error()));
+    let errors = errors.collect::<Result<Vec<_>, Failure>>()?;
+    let poor = errors.iter().filter(|eps| **eps > POOR_EPS_RMS);
+    let worst = errors.iter().copied().fold(0.0, f64::max);
+    Ok((poor.clone().count() > 0).then(|| {
         format!(
-            "the planned motion stays inside the limits, on the rig as declared and on {plants} that differ"
-        ),
-    )
+            "under {} of {OTHER_NOISES} other noises the planned motion has an error above {}, at worst {}",
+            poor.count(),
+            percent(POOR_EPS_RMS),
+            percent_or_lost(worst)
+        )
+    }))
+}
+
+fn near_a_limit(limits: &[LimitUse]) -> Option<String> {
+    let near = limits.iter().find(|l| l.share > NEAR)?;
+    Some(format!(
+        "the planned motion takes {} of coupled.limits.{} ({})",
+        percent(near.share),
+        near.name,
+        near.of
+    ))
 }
 
 /// A rig that differs; `index` draws it.

@@ -5,6 +5,7 @@
 //! | fixed force and predictor, linear specimen | small motions, and the planned motion |
 //! | the same, and a specimen that yields | both have to agree |
 //! | variable damping, corrected force, a predictor that learns | the planned motion, and `omega tau` without a predictor |
+//! | two coupled actuators | the planned motion |
 //!
 //! The planned motion runs with the noise, the bits, the yielding and the effects of the test file, on the rig as it is
 //! and on two that differ from it by a standard deviation, later and stronger, sooner and weaker.
@@ -12,6 +13,7 @@
 //! # Limitations
 //! The rig is the simulated one. What is not in `[plant]` is in no verdict.
 
+use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
@@ -22,11 +24,11 @@ use crate::stability::perturbed::Spread;
 use crate::stability::small_motion::Learning;
 use crate::stability::structure_modes::StructureModes;
 use crate::stability::variation::Variation;
-use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, against_limit};
+use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
 use crate::trace::Response;
 use crate::watch::WatchReport;
 use outerloop_core::config::Amb;
-use outerloop_core::{Config, Force, Method, Prediction};
+use outerloop_core::{Config, Force, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
 use rayon::prelude::*;
@@ -83,6 +85,30 @@ pub struct Judgement {
     pub watch: Option<WatchReport>,
 }
 
+impl Judgement {
+    /// Says which other compensations the planned motion would be good with, unless it is good as it is.
+    ///
+    /// # Errors
+    /// A test that cannot run.
+    pub fn add_alternatives(&mut self, e: &Experiment) -> Result<(), Failure> {
+        if self.verdict == SoundnessVerdict::Stable {
+            return Ok(());
+        }
+        let others: Vec<String> = alternatives(e, GOOD_EPS_RMS)?
+            .into_iter()
+            .take(3)
+            .map(|(name, eps)| format!("{name} ({})", percent(eps)))
+            .collect();
+        if !others.is_empty() {
+            self.reason += &format!(
+                "; the planned motion is good with the compensations {}",
+                others.join(", ")
+            );
+        }
+        Ok(())
+    }
+}
+
 /// What small motions of a loop do, as far as a verdict needs it.
 #[derive(Clone, Copy, Debug)]
 struct Small {
@@ -123,10 +149,10 @@ fn amb_gains_of_another_motion(config: &Config, peak_m: f64) -> bool {
         && peak_m > PUBLISHED_AMB_PEAK_M
 }
 
-/// True where the loop is linear but for its specimen.
+/// True where the loop is linear but for its specimen. That of two coupled actuators turns forces with the interface.
 pub fn fixed(test: &TestFile) -> bool {
     let random = test.plant.actuator.kind == ActuatorKind::RandomMultiplier;
-    is_linear(test.config.compensation.kind) && !random
+    test.coupled.is_none() && is_linear(test.config.compensation.kind) && !random
 }
 
 /// The test on the rig as it is, and on two others.
@@ -169,8 +195,8 @@ pub fn small_motions_decay(e: &Experiment) -> Result<bool, Failure> {
 /// # Errors
 /// A test that cannot run.
 pub fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failure> {
-    let method = e.test.config.compensation.kind;
-    Ok(e.run(method, ideal, seed, false, ())?.summary)
+    Ok(e.run(e.test.compensation(), ideal, seed, false, ())?
+        .summary)
 }
 
 /// True where a test ran away or was stopped when it did.
@@ -193,7 +219,11 @@ pub fn judge(
     one_done: impl Fn() + Sync,
 ) -> Result<Judgement, Failure> {
     let runs = runs(e, spread, one_done)?;
-    let (verdict, reason) = decide(e, &Small::of(e)?, spread, &runs);
+    let small = match e.test.coupled {
+        None => Some(Small::of(e)?),
+        Some(_) => None,
+    };
+    let (verdict, reason) = decide(e, small.as_ref(), spread, &runs);
     Ok(Judgement {
         verdict,
         reason,
@@ -205,7 +235,7 @@ pub fn judge(
 
 fn decide(
     e: &Experiment,
-    small: &Small,
+    small: Option<&Small>,
     spread: &Spread,
     runs: &Runs,
 ) -> (SoundnessVerdict, String) {
@@ -214,10 +244,10 @@ fn decide(
     of_small_and_planned_motion(small, &runs.own, fixed, elastic)
         .or_else(|| of_rigs_that_differ(e, small, spread, runs))
         .unwrap_or_else(|| {
-            let by = if fixed && elastic {
-                "small motions decay, and the planned motion"
-            } else {
-                "small motions do not decide over such a loop; the planned motion"
+            let by = match small {
+                Some(_) if fixed && elastic => "small motions decay, and the planned motion",
+                Some(_) => "small motions do not decide over such a loop; the planned motion",
+                None => "the planned motion",
             };
             let said = format!(
                 "{by} ran to its end on the simulated rig, and on two that differ from it, with an error of {} rms",
@@ -229,24 +259,23 @@ fn decide(
 
 /// What is wrong on the simulated rig itself.
 fn of_small_and_planned_motion(
-    small: &Small,
+    small: Option<&Small>,
     own: &Summary,
     fixed: bool,
     elastic: bool,
 ) -> Option<(SoundnessVerdict, String)> {
     use SoundnessVerdict::{Doubtful, Unstable};
-    let grows = match small.growth_per_s.exp_m1() {
-        a_second if a_second.is_finite() => {
-            format!("small motions grow by {} a second", percent(a_second))
-        }
-        _ => "small motions grow at once".to_owned(),
-    };
+    let grows =
+        small
+            .filter(|small| !small.stable)
+            .map(|small| match small.growth_per_s.exp_m1() {
+                a_second if a_second.is_finite() => {
+                    format!("small motions grow by {} a second", percent(a_second))
+                }
+                _ => "small motions grow at once".to_owned(),
+            });
     if ran_away(own) {
-        let grows = if small.stable {
-            String::new()
-        } else {
-            format!(", and {grows}")
-        };
+        let grows = grows.map_or_else(String::new, |grows| format!(", and {grows}"));
         let said = format!(
             "the planned motion runs away on the simulated rig: the error grows to {} of the largest ideal \
              displacement{grows}",
@@ -254,14 +283,13 @@ fn of_small_and_planned_motion(
         );
         return Some((Unstable, said));
     }
-    if fixed && elastic && !small.stable {
+    let grows = grows.filter(|_| fixed);
+    if let Some(grows) = grows.clone().filter(|_| elastic) {
         return Some((Unstable, grows));
     }
-    if let (TestVerdict::Tripped, Some(fault)) = (own.verdict, own.trip) {
-        let by = own
-            .trip_detail
-            .map_or_else(String::new, |t| format!(": {}", against_limit(t)));
-        let said = format!("the planned motion trips on {fault} on the simulated rig{by}");
+    if let (TestVerdict::Tripped, Some(t)) = (own.verdict, own.trip_detail) {
+        let (what, against) = own.trip_in_words(t);
+        let said = format!("the planned motion trips on {what} on the simulated rig: {against}");
         return Some((Doubtful, said));
     }
     if own.eps_rms > POOR_EPS_RMS {
@@ -271,7 +299,7 @@ fn of_small_and_planned_motion(
         );
         return Some((Doubtful, said));
     }
-    (fixed && !small.stable).then(|| {
+    grows.map(|grows| {
         let said = format!(
             "{grows} while the specimen is elastic; the planned motion ran to its end with {} rms only because it yields",
             percent(own.eps_rms)
@@ -283,7 +311,7 @@ fn of_small_and_planned_motion(
 /// What is wrong on the two that differ from it, or would be with another motion.
 fn of_rigs_that_differ(
     e: &Experiment,
-    small: &Small,
+    small: Option<&Small>,
     spread: &Spread,
     runs: &Runs,
 ) -> Option<(SoundnessVerdict, String)> {
@@ -292,11 +320,12 @@ fn of_rigs_that_differ(
     let method = e.test.config.compensation.kind;
     let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
     let force_only = method.force != Force::None && method.predictor == Prediction::None;
-    if force_only && small.phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
+    let phase_rad = small.map_or(0.0, |small| small.phase_rad);
+    if force_only && phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
         let said = format!(
             "omega tau is {:.2}, and a force law without a predictor makes up for a lateness to about {LARGEST_PHASE_RAD}: the \
              planned motion has an error of {} rms, and of {} on a rig that differs by {} of its delay",
-            small.phase_rad,
+            phase_rad,
             percent(own.eps_rms),
             percent(differing),
             percent(spread.delay)
@@ -335,15 +364,14 @@ fn of_rigs_that_differ(
 /// A test that cannot run.
 pub fn alternatives(e: &Experiment, eps_rms: f64) -> Result<Vec<(&'static str, f64)>, Failure> {
     let ideal = e.ideal()?;
-    let own = e.test.config.compensation.kind;
-    let others: Vec<Method> = Method::ALL.into_iter().filter(|m| *m != own).collect();
+    let own = e.test.compensation();
+    let mut others = Compensation::all(e.test.coupled.is_some());
+    others.retain(|other| *other != own);
     let mut good = others
         .into_par_iter()
-        .map(|method| {
-            let mut other = e.clone();
-            other.test.config.compensation.kind = method;
-            let summary = planned(&other, &ideal, 1)?;
-            Ok((method.name(), summary.error()))
+        .map(|other| {
+            let summary = e.run(other, &ideal, 1, false, ())?.summary;
+            Ok((other.name(), summary.error()))
         })
         .collect::<Result<Vec<_>, Failure>>()?;
     good.retain(|(_, eps)| *eps <= eps_rms);
@@ -354,6 +382,7 @@ pub fn alternatives(e: &Experiment, eps_rms: f64) -> Result<Vec<(&'static str, f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use outerloop_core::Method;
 
     #[test]
     fn amb_with_its_published_gains_is_for_small_motions_alone() {

@@ -1,6 +1,7 @@
 //! A rig that differs from the declared one.
 
 use outerloop_core::Config;
+use plant::coupled::CoupledRigSpec;
 use plant::{Effect, EffectSpec, PerAxis, RigSpec};
 use schemars::JsonSchema;
 
@@ -53,6 +54,25 @@ impl Variation {
         }
         own
     }
+
+    /// The same of two coupled actuators: a time is that of a pole, of a zero or of a delay, and damping the specimen's.
+    pub fn of_coupled(&self, rig: &CoupledRigSpec) -> CoupledRigSpec {
+        let mut own = rig.clone();
+        let scaled = |numbers: &mut [f64], by: f64| numbers.iter_mut().for_each(|x| *x *= by);
+        let actuators = &mut own.actuators;
+        scaled(&mut actuators.slow_pole_hz, 1.0 / self.delay);
+        scaled(&mut actuators.fast_pole_hz, 1.0 / self.delay);
+        actuators.natural_hz /= self.delay;
+        scaled(actuators.lead_ms.as_flattened_mut(), self.delay);
+        scaled(actuators.path_lead_ms.as_flattened_mut(), self.delay);
+        for delay_ms in &mut actuators.delay_ms {
+            *delay_ms = self.delay * *delay_ms + 1e3 * self.extra_s;
+        }
+        scaled(actuators.gain.as_flattened_mut(), self.gain);
+        scaled(own.specimen.stiffness.as_flattened_mut(), self.stiffness);
+        scaled(own.specimen.damping.as_flattened_mut(), self.damping);
+        own
+    }
 }
 
 #[cfg(test)]
@@ -86,5 +106,39 @@ mod tests {
             vary.of(&rig, &config).specimen.stiffness(&[158e3]),
             Ok(vec![0.0])
         );
+    }
+
+    #[test]
+    fn a_coupled_pair_that_is_later_has_lower_poles_and_longer_times() {
+        let example = include_str!("../../../examples/coupled-frame.toml");
+        let folder = std::path::Path::new("");
+        let test = crate::files::test::TestFile::parse(example, "frame", folder, &[]).unwrap();
+        let rig = &test.coupled_part().unwrap().rig;
+        let vary = Variation {
+            delay: 1.25,
+            extra_s: 1e-3,
+            gain: 1.5,
+            stiffness: 2.0,
+            ..Variation::NONE
+        };
+        let own = vary.of_coupled(rig);
+        assert_eq!(
+            own.actuators.slow_pole_hz[0],
+            rig.actuators.slow_pole_hz[0] / 1.25
+        );
+        assert_eq!(
+            own.actuators.delay_ms,
+            rig.actuators.delay_ms.map(|d| 1.25 * d + 1.0)
+        );
+        assert_eq!(
+            own.actuators.path_lead_ms[0][1],
+            1.25 * rig.actuators.path_lead_ms[0][1]
+        );
+        assert_eq!(own.actuators.gain[1][0], 1.5 * rig.actuators.gain[1][0]);
+        assert_eq!(
+            own.specimen.stiffness[0][0],
+            2.0 * rig.specimen.stiffness[0][0]
+        );
+        assert_eq!(Variation::NONE.of_coupled(rig), *rig);
     }
 }

@@ -35,6 +35,9 @@ enum Survey {
         /// Of two coupled actuators instead
         #[arg(long)]
         coupled: bool,
+        /// Ask the check of the actuators as they are declared, and run the tests on those that the rig has
+        #[arg(long, requires = "coupled")]
+        as_declared: bool,
     },
     /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets. Exit
     /// status 1 where one of them is missed by more than docs/rig-watch-validation.md says, and by more than chance
@@ -88,7 +91,17 @@ struct WatchAnswer<'a> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let held = match arguments.survey {
-        Survey::Verdicts { rigs, coupled } => survey((rigs as usize, coupled), &arguments),
+        Survey::Verdicts {
+            rigs,
+            coupled,
+            as_declared,
+        } => {
+            let known = match as_declared {
+                true => verdicts::Known::AsDeclared,
+                false => verdicts::Known::Rig,
+            };
+            survey((rigs as usize, coupled), known, &arguments)
+        }
         Survey::Monitor { tests } => monitor(tests as usize, &arguments),
         Survey::Watch {
             write: Some(ref folder),
@@ -324,14 +337,18 @@ fn records(arguments: &Arguments) -> Result<bool, Failure> {
 }
 
 /// The verdicts over many rigs; true where no test was called stable and ran away.
-fn survey((rigs, of_coupled): (usize, bool), arguments: &Arguments) -> Result<bool, Failure> {
+fn survey(
+    (rigs, of_coupled): (usize, bool),
+    known: verdicts::Known,
+    arguments: &Arguments,
+) -> Result<bool, Failure> {
     let tests = if of_coupled {
         coupled::draw(rigs, arguments.seed)
     } else {
         verdicts::draw(rigs, arguments.seed)
     };
     let progress = ProgressBar::new(rigs as u64);
-    let cases = verdicts::run(&tests, || progress.inc(1))?;
+    let cases = verdicts::run(&tests, known, || progress.inc(1))?;
     progress.finish_and_clear();
     let rows = verdicts::table(&cases);
     let promise = SurveyPromise::of(&rows);

@@ -9,12 +9,13 @@ use host_tests::compensations::condition::{Condition, yielding};
 use host_tests::compensations::{self, standing};
 use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
-use host_tests::surveys::verdicts::ActualOutcome;
+use host_tests::surveys::verdicts::{ActualOutcome, Known};
 use host_tests::surveys::{coupled, monitor, verdicts, watch, watched_records};
 
 #[test]
 fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
-    let cases = verdicts::run(&verdicts::draw(51, 1), || ()).expect("tests that can be judged");
+    let cases =
+        verdicts::run(&verdicts::draw(51, 1), Known::Rig, || ()).expect("tests that can be judged");
     let rows = verdicts::table(&cases);
     let called = |truth| {
         let mut own = rows.iter().filter(|r| r.tests == "all" && r.truth == truth);
@@ -34,7 +35,8 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
 /// Actuators that are not quite the declared ones, under every compensation.
 #[test]
 fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
-    let cases = verdicts::run(&coupled::draw(40, 1), || ()).expect("tests that can be judged");
+    let cases =
+        verdicts::run(&coupled::draw(100, 1), Known::Rig, || ()).expect("tests that can be judged");
     let rows = verdicts::table(&cases);
     let of = |truth| {
         let mut own = rows.iter().filter(|r| r.tests == "all" && r.truth == truth);
@@ -47,7 +49,9 @@ fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
     ]
     .map(of);
     assert_eq!((wrong.called[0], ran_away.called[0]), (0, 0));
-    assert!(sound.called[0] >= 5 && sound.called[2] <= 1, "{sound:?}");
+    let not_stable = sound.called[1] + sound.called[2];
+    assert!(not_stable <= 1 + sound.count / 20, "{sound:?}");
+    assert!(sound.count > 30, "{sound:?}");
     assert!(wrong.count > 5 && ran_away.count > 5);
 }
 
