@@ -143,6 +143,7 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// An idle loop.
+    #[inline(never)] // With the design that it is made of, whoever calls would hold it twice.
     pub fn new(design: Design<N, R>) -> Self {
         let Design {
             step: design,

@@ -89,8 +89,7 @@ pub fn of_coupled_check(
     }
     d.table(t);
     d.tell(format!(
-        "Not in the verdict, on {} rigs drawn around the simulated one, each number by itself: {} are lost, and on the worst of the \
-         others the error is {} rms.",
+        "On {} rigs drawn around the simulated one, each number by itself, {} are lost, and on the worst of the others the error is {} rms.",
         c.plants,
         c.lost,
         percent(c.drawn_eps_rms)

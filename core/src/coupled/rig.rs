@@ -143,7 +143,9 @@ impl<const N: usize> Rig<N> for CoupledRig {
             -SHARE_STEP
         };
         self.driven = smaller(larger(self.driven + change, 0.0), 1.0);
-        let ground_m_per_s2 = self.driven * asked.ground.at(asked.step);
+        // Behind the last point the share fades, and the ground does not go at once.
+        let step = asked.step.min(asked.ground.steps());
+        let ground_m_per_s2 = self.driven * asked.ground.at(step);
         let aim = pair(asked.aim_m);
         let command_m = self
             .tracker

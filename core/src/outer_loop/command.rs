@@ -242,6 +242,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
 
     /// The mode after a fault that asks for `after`: a ramp to a standstill begins at what was sent, and one that would take too
     /// long is none.
+    #[cold]
+    #[inline(never)]
     pub(super) fn stopping(&mut self, after: Mode) -> Mode {
         if after == Mode::Stopping {
             self.stop_at_command();

@@ -2,7 +2,7 @@
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
 use emu::nucleo::HEALTHY_MV;
-use emu::{CoreBits, InjectedFault, LoggedEvent, PlannedFault};
+use emu::{InjectedFault, LoggedEvent, PlannedFault};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{CrashCause, CrashReport, StartCause, Status};
@@ -148,13 +148,7 @@ fn a_debugger_that_wanted_to_see_faults_halts_none_with_permit() {
     const HALTS: [u32; 2] = [10, 8];
     /// What the cycle counter needs.
     const TRACE: u64 = 1 << 24;
-    let processor = CoreBits::default();
-    let mut desk = Desk::with(Bench {
-        processor: Some(processor.clone()),
-        ..Bench::default()
-    });
-    desk.start();
-    desk.until(Mode::Running);
+    let (mut desk, processor) = Desk::running_looked_into();
     processor.look_at([DEMCR]);
     for bit in HALTS {
         processor.turn_over_system(DEMCR, bit);

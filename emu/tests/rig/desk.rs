@@ -256,6 +256,18 @@ impl Desk {
         assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
     }
 
+    /// A board with a test that runs, and what looks into its processor.
+    pub fn running_looked_into() -> (Self, CoreBits) {
+        let processor = CoreBits::default();
+        let mut desk = Self::with(Bench {
+            processor: Some(processor.clone()),
+            ..Bench::default()
+        });
+        desk.start();
+        desk.until(Mode::Running);
+        (desk, processor)
+    }
+
     /// A step of the telemetry.
     pub fn step(&mut self) -> StepReport {
         loop {

@@ -1,9 +1,7 @@
 //! Nothing holds the control interrupt up: what the chip's interrupt controller holds while a test runs.
 
-use crate::desk::{Bench, Desk};
-use emu::CoreBits;
+use crate::desk::Desk;
 use outerloop_cli::board::Image;
-use outerloop_core::Mode;
 
 /// Numbers of interrupts, RM0090: the supply's guard; then embassy's, the flash, two streams of DMA, TIM3, USART3.
 const SUPPLY: u16 = 1;
@@ -22,13 +20,7 @@ fn priority_word(interrupt: u16) -> u64 {
 
 #[test]
 fn only_the_control_interrupt_and_the_supplys_are_above_what_critical_sections_mask() {
-    let processor = CoreBits::default();
-    let mut desk = Desk::with(Bench {
-        processor: Some(processor.clone()),
-        ..Bench::default()
-    });
-    desk.start();
-    desk.until(Mode::Running);
+    let (mut desk, processor) = Desk::running_looked_into();
     let interrupts = [&BACKGROUND[..], &[CONTROL, SUPPLY]].concat();
     processor.look_at(interrupts.iter().map(|&i| priority_word(i)));
     for _ in 0..500 {

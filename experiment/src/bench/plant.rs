@@ -14,8 +14,8 @@ use std::time::Instant;
 /// Idle steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: usize = 256;
 
-/// Control steps for which the target stands behind the ramp at the end of a ground motion before nobody looks any longer.
-const STANDS_STEPS: usize = 500;
+/// Control steps for which the target stands behind a ramp before nobody looks any longer.
+pub const STANDS_STEPS: usize = 500;
 
 /// Control steps in which a gain changes: hydraulics have no jumps.
 pub const GAIN_STEPS: usize = 100;

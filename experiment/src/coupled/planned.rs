@@ -41,7 +41,7 @@ pub struct CoupledCheck {
     /// The verdict, and what it stands on.
     #[serde(flatten)]
     pub judgement: Judgement,
-    /// Rigs that were drawn around the simulated one. They are no part of the verdict.
+    /// Rigs that were drawn around the simulated one. They are part of the verdict where its actuators are those that are declared.
     pub plants: usize,
     /// Of those, tests that tripped or ran away.
     pub lost: usize,
@@ -61,9 +61,10 @@ const NEAR: f64 = 0.9;
 /// So many times the planned motion runs under other noise: what `coupled` learns may come out well by one noise and wrong by the next.
 const OTHER_NOISES: u64 = 10;
 
-/// Judges a test as every other is judged, and by its limits and a stop. Beside the verdict it runs on rigs that are drawn around the
-/// simulated one, each of whose numbers differs by itself: poles, zeros and delays by the spread of the delay, gains and the
-/// specimen's stiffness and damping by theirs. Of the actuators the test file declares the spreads in `[coupled.spread]`.
+/// Judges a test as every other is judged, and by its limits and a stop. It runs, too, on rigs that are drawn around the simulated one,
+/// which count where its actuators are those that are declared. Each number of them differs by itself: poles, zeros and delays by the
+/// spread of the delay, gains and the specimen's stiffness and damping by theirs. Of the actuators the test file declares the spreads in
+/// `[coupled.spread]`.
 ///
 /// # Errors
 /// A test that cannot be laid out.
@@ -82,18 +83,6 @@ pub fn check(
         .trace
         .as_ref()
         .map_or_else(Vec::new, |trace| limits(&part.declared.limits, trace));
-    if judgement.verdict == SoundnessVerdict::Stable {
-        let mut doubt = near_a_limit(&limits);
-        if doubt.is_none() {
-            doubt = under_other_noise(e, &ideal, spread.seed)?;
-        }
-        if doubt.is_none() {
-            doubt = stop::doubt(e, &ideal, spread.seed)?;
-        }
-        if let Some(reason) = doubt {
-            (judgement.verdict, judgement.reason) = (SoundnessVerdict::Doubtful, reason);
-        }
-    }
     let drawn = (0..spread.plants)
         .into_par_iter()
         .map(|i| {
@@ -105,6 +94,22 @@ pub fn check(
             Ok(summary.error())
         })
         .collect::<Result<Vec<_>, Failure>>()?;
+    if judgement.verdict == SoundnessVerdict::Stable {
+        let mut doubt = near_a_limit(&limits);
+        if doubt.is_none() {
+            doubt = under_other_noise(e, &ideal, spread.seed)?;
+        }
+        if doubt.is_none() {
+            doubt = stop::doubt(e, &ideal, spread.seed)?;
+        }
+        // Where nobody says what the rig's actuators are, it may be any of those.
+        if doubt.is_none() && part.rig.actuators == part.declared.actuators {
+            doubt = on_a_drawn_rig(&drawn);
+        }
+        if let Some(reason) = doubt {
+            (judgement.verdict, judgement.reason) = (SoundnessVerdict::Doubtful, reason);
+        }
+    }
     let went = drawn.iter().filter(|eps| eps.is_finite());
     let check = CoupledCheck {
         judgement,
@@ -146,16 +151,31 @@ fn under_other_noise(
         .map(|i| seed.wrapping_add(10 + i));
     let errors = seeds.map(|seed| Ok(soundness::planned(e, ideal, seed)?.error()));
     let errors = errors.collect::<Result<Vec<_>, Failure>>()?;
-    let poor = errors.iter().filter(|eps| **eps > POOR_EPS_RMS);
-    let worst = errors.iter().copied().fold(0.0, f64::max);
-    Ok((poor.clone().count() > 0).then(|| {
+    Ok(poor(&errors).map(|(count, worst)| {
         format!(
-            "under {} of {OTHER_NOISES} other noises the planned motion has an error above {}, at worst {}",
-            poor.count(),
+            "under {count} of {OTHER_NOISES} other noises the planned motion has an error above {}, at worst {worst}",
             percent(POOR_EPS_RMS),
-            percent_or_lost(worst)
         )
     }))
+}
+
+/// How many of these errors are poor, and the worst of them in words; `None` where none is.
+fn poor(errors: &[f64]) -> Option<(usize, String)> {
+    let count = errors.iter().filter(|eps| **eps > POOR_EPS_RMS).count();
+    let worst = errors.iter().copied().fold(0.0, f64::max);
+    (count > 0).then(|| (count, percent_or_lost(worst)))
+}
+
+/// What is doubtful about a test of actuators as they are declared, from its errors on rigs that are drawn around them.
+fn on_a_drawn_rig(drawn: &[f64]) -> Option<String> {
+    poor(drawn).map(|(count, worst)| {
+        format!(
+            "on {count} of {} rigs that differ from the declared actuators by their spread the planned motion has an error above {}, at worst \
+             {worst}: the test file leaves out what the rig's are ([plant.coupled.actuators])",
+            drawn.len(),
+            percent(POOR_EPS_RMS),
+        )
+    })
 }
 
 fn near_a_limit(limits: &[LimitUse]) -> Option<String> {

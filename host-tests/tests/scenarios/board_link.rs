@@ -1,14 +1,14 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 
 use experiment::Experiment;
-use experiment::bench::Played;
+use experiment::bench::{OnBoard, Played};
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::recording::SiRecording;
 use experiment::files::signal::SignalPoints as PointsOfSignal;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
-use experiment::summary::TestVerdict;
+use experiment::summary::{Summary, TestVerdict};
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
@@ -73,6 +73,19 @@ pub fn run_by(
     )
 }
 
+/// A test that ran to its end on a board, each of whose steps was worked out again.
+fn ran_with_every_bit_proven(summary: &Summary) -> &OnBoard {
+    let board = summary.board.as_ref().unwrap();
+    assert_eq!(
+        summary.verdict,
+        TestVerdict::Completed,
+        "{}",
+        summary.sentence()
+    );
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    board
+}
+
 /// The board goes on without its rig watch, and so does the loop on the PC, whose watch is never late.
 #[test]
 fn tasks_that_answer_the_rig_watch_too_late_stop_no_test() {
@@ -81,29 +94,15 @@ fn tasks_that_answer_the_rig_watch_too_late_stop_no_test() {
     busy.incidents
         .push_back((6000, Box::new(|board| board.away_steps = 60)));
     let run = run_on(&t, busy).unwrap();
-    let board = run.summary.board.as_ref().unwrap();
-    assert_eq!(
-        run.summary.verdict,
-        TestVerdict::Completed,
-        "{}",
-        run.summary.sentence()
-    );
-    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    ran_with_every_bit_proven(&run.summary);
 }
 
 #[test]
 fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_plant() {
     let t = test(&[]);
     let run = run_on(&t, loopback(&t)).unwrap();
-    let board = run.summary.board.as_ref().unwrap();
-    assert_eq!(
-        run.summary.verdict,
-        TestVerdict::Completed,
-        "{}",
-        run.summary.sentence()
-    );
+    let board = ran_with_every_bit_proven(&run.summary);
     assert_eq!(run.summary.steps, 12_000);
-    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert_eq!(board.steps_dropped, Some(0));
     assert!(board.steps_received > 12_000);
     let trace = run.trace.unwrap();
