@@ -9,7 +9,7 @@ use host_tests::compensations::condition::{Condition, yielding};
 use host_tests::compensations::{self, standing};
 use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
-use host_tests::surveys::verdicts::{ActualOutcome, Known};
+use host_tests::surveys::verdicts::{ActualOutcome, Known, VerdictCounts};
 use host_tests::surveys::{coupled, monitor, verdicts, watch, watched_records};
 
 #[test]
@@ -32,26 +32,39 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
     assert!(ran_away.iter().sum::<usize>() > 3);
 }
 
-/// Actuators that are not quite the declared ones, under every compensation.
-#[test]
-fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
+/// Actuators that are not quite the declared ones, under every compensation: what the check says of what is known of them.
+fn coupled_verdicts(rigs: usize, known: Known) -> [VerdictCounts; 3] {
     let cases =
-        verdicts::run(&coupled::draw(100, 1), Known::Rig, || ()).expect("tests that can be judged");
+        verdicts::run(&coupled::draw(rigs, 1), known, || ()).expect("tests that can be judged");
     let rows = verdicts::table(&cases);
     let of = |truth| {
         let mut own = rows.iter().filter(|r| r.tests == "all" && r.truth == truth);
-        own.next().expect("a row for each outcome")
+        own.next().expect("a row for each outcome").clone()
     };
-    let [sound, wrong, ran_away] = [
+    [
         ActualOutcome::Sound,
         ActualOutcome::Wrong,
         ActualOutcome::RanAway,
     ]
-    .map(of);
+    .map(of)
+}
+
+#[test]
+fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
+    let [sound, wrong, ran_away] = coupled_verdicts(100, Known::Rig);
     assert_eq!((wrong.called[0], ran_away.called[0]), (0, 0));
     let not_stable = sound.called[1] + sound.called[2];
     assert!(not_stable <= 1 + sound.count / 20, "{sound:?}");
     assert!(sound.count > 30, "{sound:?}");
+    assert!(wrong.count > 5 && ran_away.count > 5);
+}
+
+/// Where nobody says what the rig's actuators are, those count that are drawn around the declared ones.
+#[test]
+fn verdicts_over_coupled_actuators_as_declared_are_never_a_false_yes() {
+    let [sound, wrong, ran_away] = coupled_verdicts(40, Known::AsDeclared);
+    assert_eq!((wrong.called[0], ran_away.called[0]), (0, 0));
+    assert!(sound.called[0] >= 5, "{sound:?}");
     assert!(wrong.count > 5 && ran_away.count > 5);
 }
 
