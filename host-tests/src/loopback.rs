@@ -1,7 +1,7 @@
 //! The firmware's simulated board behind frames of bytes, with a simulated rig behind its converters: what a PC sees of a
 //! board, in this process and in one thread. A read runs the board on by some steps.
 
-use firmware::sim::{Bench, Plant};
+use firmware::sim::{Bench, CLOCK, Plant};
 use firmware::station::{Heartbeat, Report};
 use link::frame::{Decoder, Frame, FrameKind, checksum};
 use link::message::Message;
@@ -13,6 +13,7 @@ use plant::Rig;
 use plant::coupled::CoupledRig;
 use std::collections::VecDeque;
 use std::io;
+use std::time::Duration;
 
 /// What stands behind a board's converters.
 pub trait Laboratory<const A: usize> {
@@ -94,6 +95,8 @@ pub struct Loopback<const A: usize = 1> {
     out: VecDeque<u8>,
     /// Control steps since power-up.
     pub steps: u64,
+    /// How long they have taken, by the board's clock.
+    elapsed: Duration,
     /// Frames of telemetry that are dropped on the line from now on.
     pub drop_frames: usize,
     /// Steps whose digest has a wrong bit from now on, as if the board had worked out another step.
@@ -131,6 +134,7 @@ impl<const A: usize> Loopback<A> {
             batch: Telemetry::default(),
             out: VecDeque::new(),
             steps: 0,
+            elapsed: Duration::ZERO,
             drop_frames: 0,
             wrong_bits: 0,
             away_steps: 0,
@@ -145,6 +149,8 @@ impl<const A: usize> Loopback<A> {
     fn step(&mut self) {
         self.board.period();
         self.steps += 1;
+        let period_ticks = self.board.hardware.board.period_ticks;
+        self.elapsed += Duration::from_secs(period_ticks.into()) / CLOCK.stopwatch_hz;
         if self.away_steps > 0 {
             self.away_steps -= 1;
             return;
@@ -215,6 +221,10 @@ impl<const A: usize> Loopback<A> {
 }
 
 impl<const A: usize> Port for Loopback<A> {
+    fn now(&self) -> Duration {
+        self.elapsed
+    }
+
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         for _ in 0..20 {
             self.step();

@@ -1,11 +1,13 @@
 //! What goes wrong between PC and board in the middle of a test or a signal: the PC says so, and keeps what came.
 
-use crate::board_link::{chirp, connect, loopback, play_to_an_end, run_by, run_on, test};
+use crate::board_link::{
+    chirp, connect, connect_with, loopback, play_to_an_end, run_by, run_on, run_over, test,
+};
 use experiment::bench::Played;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use host_tests::loopback::{FaultInjection, Loopback};
-use outerloop_cli::board::{Operator, Trajectory};
+use outerloop_cli::board::{Operator, Timeouts, Trajectory};
 use outerloop_core::Mode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
@@ -72,7 +74,7 @@ fn noise_on_the_line_and_a_board_that_hears_nothing_end_the_test_and_keep_it() {
         let seen = Arc::clone(&stands);
         let look = move |b: &mut Loopback| seen.store(b.board.mode() == Mode::Tripped, Relaxed);
         board.incidents.push_back((11_300, Box::new(look)));
-        let run = run_on(&t, board).unwrap();
+        let run = run_over(&t, connect_with(board, Timeouts::BOARD)).unwrap();
         assert_eq!(run.summary.trip, Some("link_lost"));
         assert!(stands.load(Relaxed), "the test runs on, and nobody sees it");
         assert!(run.trace.unwrap().len() > 3000);

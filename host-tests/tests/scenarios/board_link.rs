@@ -40,8 +40,12 @@ pub fn loopback(t: &TestFile) -> Loopback {
 
 /// A connection to a board that has been calibrated as it is wired.
 pub fn connect(board: Loopback) -> Connection<Loopback> {
+    connect_with(board, QUICK)
+}
+
+pub fn connect_with(board: Loopback, timeouts: Timeouts) -> Connection<Loopback> {
     let [wired] = board.board.hardware.board.wired;
-    let mut connection = Connection::new(board, QUICK);
+    let mut connection = Connection::new(board, timeouts);
     board::calibrate(&mut connection, wired).unwrap();
     connection
 }
