@@ -61,6 +61,11 @@ impl CoreBits {
         self.asked().turn = Some(bit);
     }
 
+    /// Turns a bit of r0 to r15, the program counter, over before the next instruction.
+    pub fn turn_over_register(&self, number: u32, bit: u32) {
+        self.turn_over(CoreBit::Register(32 * number + bit));
+    }
+
     /// Turns a bit of a byte of the memory over before the next instruction.
     pub fn turn_over_byte(&self, address: u64, bit: u32) {
         self.turn_over(CoreBit::Memory { address, bit });
