@@ -29,10 +29,10 @@ impl<const N: usize> ForceLaw<N> for OwnForce<N> {
     type Constants = Constants<N>;
 
     fn check(c: &Compensation) -> Result<(), Refusal> {
-        match c.kind.force {
-            Force::OwnForce => (calls().ok_or(NONE_REGISTERED)?.check)(c),
-            _ => Ok(()),
+        if c.kind.force == Force::OwnForce {
+            return (calls().ok_or(NONE_REGISTERED)?.check)(c);
         }
+        Ok(())
     }
 
     fn design(context: &Context<'_, N>) -> Self::Constants {

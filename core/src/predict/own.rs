@@ -24,10 +24,10 @@ impl<const N: usize> Predict<N> for OwnPredictor<N> {
     const LEARNS: bool = true;
 
     fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {
-        match c.kind.predictor {
-            Prediction::Own => (calls()?.check)(c, t),
-            _ => Ok(()),
+        if c.kind.predictor == Prediction::Own {
+            return (calls()?.check)(c, t);
         }
+        Ok(())
     }
 
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {

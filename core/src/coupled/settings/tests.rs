@@ -226,6 +226,25 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
     assert!(error[0] > peak[0], "{error:?} of {peak:?}");
 }
 
+/// No emergency: the target slows down, and then it is over.
+#[test]
+fn the_energy_error_ends_a_test_on_the_ramp() {
+    let points = shaking();
+    let ground = GroundMotion::new(&points, 0.01, f64::from(PERIOD_S)).unwrap();
+    let mut settings = settings();
+    settings.config.limits.energy_trip = Some(1e-3);
+    let (mut outer, mut laboratory, mut sent_m) = running(&settings);
+    let mut on_the_ramp = 0;
+    while outer.mode() != Mode::Tripped {
+        let (_, sample) = laboratory.step(&sent_m);
+        sent_m = outer.step(&sample, &ground).command_m;
+        on_the_ramp += u32::from(outer.mode() == Mode::Stopping);
+        assert!(on_the_ramp < 10_000);
+    }
+    assert_eq!(outer.trip().map(|t| t.fault), Some(Fault::EnergyRatio));
+    assert!(on_the_ramp > 10, "{on_the_ramp}");
+}
+
 #[test]
 fn every_interlock_acts_and_names_its_axis() {
     let points = shaking();
