@@ -7,9 +7,7 @@
 //! | [`rths`] | one actuator, a three-storey frame (Silva et al. 2020) |
 //! | [`marths`] | two coupled actuators, a frame of 29 degrees of freedom (Condori Uribe et al. 2023) |
 //! | [`linear`] | linear systems over a sampling period, exactly |
-//! | [`goal`] | what was asked, what was found, by how much it is missed |
 
-pub mod goal;
 pub mod linear;
 pub mod marths;
 pub mod rths;

@@ -14,6 +14,7 @@ pub mod proof;
 pub mod qemu;
 pub mod simulated;
 pub mod surveys;
+pub mod targets;
 
 use outerloop_core::{
     Config, Design, Event, GroundMotion, Method, Mode, OuterLoop, Record, Sample, config::Filter,

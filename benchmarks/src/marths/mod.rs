@@ -21,7 +21,6 @@
 //! | [`criteria`] | J1 to J9 |
 //! | [`mod@bench`] | every controller under every record, on the nominal and on drawn plants |
 //! | [`follow`] | a controller from outside as a table of commands |
-//! | [`goals`] | what was asked for, and by how much it is missed |
 //! | [`declared`] | what the declared physical part costs, and the record that tells what is wrong in it |
 //!
 //! The problem's own files give the structure, the plant and the geometry; its Simulink model is not among them. What
@@ -35,7 +34,6 @@ pub mod criteria;
 pub mod declared;
 pub mod follow;
 pub mod frame;
-pub mod goals;
 pub mod regression;
 pub mod rig;
 pub mod structure;

@@ -17,7 +17,7 @@
 //! | [`criteria`] | J1 to J9 |
 //! | [`mod@bench`] | all of it, on all cores |
 //! | [`follow`] | a controller from outside as a table of commands |
-//! | [`table`], [`verdict`] | rows as cells; goals and ties |
+//! | [`table`], [`verdict`] | rows as cells; who is best, and ties |
 //! | [`published`] | figures that others have |
 
 pub mod bench;
@@ -41,5 +41,5 @@ pub mod yielding;
 pub use bench::{Benchmark, RthsRow};
 pub use controller::Contestant;
 pub use record::GroundRecord;
-pub use rules::Rules;
+pub use rules::{Deviation, Rules};
 pub use size::{FLOORS, RATE_HZ};

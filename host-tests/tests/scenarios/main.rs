@@ -1,6 +1,7 @@
 //! Whole tests across crates. One binary: each one links everything.
 #![allow(missing_docs)]
 
+mod benchmark_targets;
 mod board_coupled;
 mod board_desk;
 mod board_incidents;

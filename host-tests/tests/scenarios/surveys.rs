@@ -132,7 +132,7 @@ fn a_mass_at_the_load_cell_does_not_shake_where_the_command_is_sent_further_ahea
     }
 }
 
-/// A glance at what `check-surveys watch` asks of thousands of tests.
+/// A few of the thousands of tests of `check-surveys watch`.
 #[test]
 fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     let sound = watch::sound(60, 7000, || ()).expect("tests that can run");

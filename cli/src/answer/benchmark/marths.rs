@@ -1,11 +1,9 @@
 //! The multi-axial benchmark problem.
 
-use super::goals::goals;
 use super::physical_part::PhysicalPartEstimate;
 use crate::answer::coupled_diagnosis::verdicts;
 use crate::document::plot::{Curve, GROUND, HALF, IDEAL, TESTED, WIDE, WRONG, history, plot};
 use crate::document::{Document, table};
-use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
@@ -26,7 +24,6 @@ pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
     rows: &[MarthsRow],
-    asked_for: &[Goal],
     (plants, seed): (usize, u64),
     with_page: bool,
 ) -> Result<Document, Failure> {
@@ -59,7 +56,6 @@ pub fn of_marths(
             .map(|(_, name, knows)| format!("**{name:14}** knows {knows}"))
             .collect(),
     );
-    goals(&mut d, asked_for);
     declared_part(&mut d, parts);
     Ok(d)
 }

@@ -1,11 +1,10 @@
 //! The benchmark problems of the field.
 
 mod followed;
-mod goals;
 mod marths;
 pub mod physical_part;
 mod rths;
 
 pub use followed::of_followed;
-pub use marths::{DeclaredPart, of_marths};
+pub use marths::of_marths;
 pub use rths::of_rths;

@@ -1,9 +1,7 @@
 //! The benchmark problem of real-time hybrid simulation.
 
-use super::goals::goals;
 use crate::document::plot::{Curve, GROUND, HALF, IDEAL, TALL, TESTED, WRONG, history, plot};
 use crate::document::{Document, table};
-use benchmarks::goal::Goal;
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
@@ -26,7 +24,6 @@ pub fn of_rths(
     bench: &Benchmark<'_>,
     rows: &[RthsRow],
     yielding: &[Vec<RthsRow>],
-    asked_for: &[Goal],
     with_page: bool,
 ) -> Result<Document, Failure> {
     let lead = format!(
@@ -70,7 +67,6 @@ pub fn of_rths(
             d.table(table(&YIELDING_HEAD).with_rows(yielding_summary(degrading, pinched)));
         }
     }
-    goals(&mut d, asked_for);
     d.tell("J1 to J9 of every case: --json, or --out DIR for a report.");
     d.on_page(|d| all_criteria(d, rows));
     Ok(d)

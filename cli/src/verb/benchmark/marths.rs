@@ -4,17 +4,15 @@ mod by_table;
 
 use super::command_table;
 use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
+use crate::answer::benchmark::of_marths;
 use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
-use crate::answer::benchmark::{DeclaredPart, of_marths};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{self, Progress, interrupt};
 use crate::verb::{hand_over_tests, json, require_all_ran};
-use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
-use benchmarks::marths::goals::goals;
 use diagnosis::CoupledDiagnosis;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
@@ -30,8 +28,6 @@ pub struct MarthsAnswer<'a> {
     seed: u64,
     /// Drawn plants a controller.
     plants: usize,
-    /// What was asked for, beside what was found.
-    targets: &'a [Goal],
     rows: &'a [MarthsRow],
     /// What J1 to J9 mean.
     criteria: [&'static str; 9],
@@ -119,7 +115,6 @@ impl Marths {
                 .map(|r| Ok((r, PhysicalPartEstimate::of(&problem, r, self.seed)?)))
                 .collect::<Result<Vec<_>, Failure>>()
         })?;
-        let goals = self.asked_for(&rows, &parts);
         let declared = parts.iter().map(|(record, found)| DeclaredByRecord {
             record: &record.name,
             floors: &found.floors,
@@ -129,7 +124,6 @@ impl Marths {
             rules: "official",
             seed: self.seed,
             plants: self.plants,
-            targets: &goals,
             rows: &rows,
             criteria: MEANING,
             model: self.model.as_deref(),
@@ -154,7 +148,7 @@ impl Marths {
         let (drawn, asked) = ((self.plants, self.seed), (out.as_deref(), self.json));
         let ran = (rows.len(), records.len() * contestants.len());
         hand_over_tests(ran, asked, ("marths.json", &text), files, |page| {
-            of_marths(&problem, &parts, &rows, &goals, drawn, page)
+            of_marths(&problem, &parts, &rows, drawn, page)
         })?;
         require_all_ran(ran.0, ran.1)
     }
@@ -199,18 +193,6 @@ impl Marths {
         let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
         let record = problem.record(name, &points, motion.interval_s);
         record.map_err(refused)
-    }
-
-    /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.
-    fn asked_for(&self, rows: &[MarthsRow], parts: &[DeclaredPart<'_>]) -> Vec<Goal> {
-        if self.model.is_some() {
-            return Vec::new();
-        }
-        let floors: Vec<(&str, &[Floor])> = parts
-            .iter()
-            .map(|(record, found)| (record.name.as_str(), &found.floors[..]))
-            .collect();
-        goals(rows, &floors)
     }
 
     fn names(&self) -> Result<Vec<&'static str>, Failure> {

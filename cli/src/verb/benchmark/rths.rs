@@ -8,10 +8,9 @@ use crate::answer::benchmark::of_rths;
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{Progress, interrupt};
 use crate::verb::{hand_over_tests, json, no_files, require_all_ran};
-use benchmarks::goal::Goal;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
-use benchmarks::rths::verdict::{best, goals, whole_table};
+use benchmarks::rths::verdict::best;
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use experiment::failure::Failure;
@@ -29,8 +28,6 @@ pub struct RthsAnswer<'a> {
     seed: u64,
     /// Perturbed plants a case.
     plants: usize,
-    /// What was asked for, beside what was found.
-    targets: &'a [Goal],
     /// The controllers whose mean J4 is the least.
     best: Vec<String>,
     rows: &'a [RthsRow],
@@ -137,9 +134,6 @@ impl Rths {
         };
         let (rows, yielding) = self.trials(&bench, beside)?;
         require_some(rows.len())?;
-        let mut goals = goals(&rules, &rows);
-        let seconds = began.elapsed().as_secs_f64();
-        goals.extend(whole_table(&rows, seconds));
         let of = |wanted| {
             let mut all = beside.iter().zip(&yielding);
             all.find_map(|(behaviour, rows)| (*behaviour == wanted).then_some(&rows[..]))
@@ -148,12 +142,11 @@ impl Rths {
             rules: rules.name(),
             seed: self.seed,
             plants: self.plants,
-            targets: &goals,
             best: best(&rows),
             rows: &rows,
             degrading: of(Behaviour::Degrading),
             pinched: of(Behaviour::Pinched),
-            seconds,
+            seconds: began.elapsed().as_secs_f64(),
             criteria: MEANING,
         };
         let text = json(&WithProvenance::of(&answer))?;
@@ -164,7 +157,7 @@ impl Rths {
             (out.as_deref(), self.json),
             ("rths.json", &text),
             no_files,
-            |page| of_rths(&bench, &rows, &yielding, &goals, page),
+            |page| of_rths(&bench, &rows, &yielding, page),
         )?;
         require_all_ran(ran, asked)
     }

@@ -1,10 +1,14 @@
-//! What was asked of a benchmark, what was found, and by how much it is missed.
+//! What was asked of this program's makers in a benchmark problem, what was found, and by how much it is missed.
+//!
+//! Read from what `outerloop benchmark` answers as JSON, as a laboratory would read it.
 
-use schemars::JsonSchema;
-use serde::Serialize;
+mod marths;
+mod rths;
+
+use serde_json::Value;
 
 /// Figures that were asked for, beside those that were found.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// What is asked, and of whom.
     pub asked: String,
@@ -14,16 +18,38 @@ pub struct Goal {
     pub limit: Vec<f64>,
     /// Unit of both: `%`, `points` of a per cent, `plants`, `s`.
     pub unit: &'static str,
-    /// By how much the worst figure is beyond its limit, in that unit; 0 or less is reached. Infinite (null in JSON) where a
-    /// figure is NaN, or none was found.
+    /// By how much the worst figure is beyond its limit, in that unit; 0 or less is reached. Infinite where a figure is NaN, or
+    /// none was found.
     pub missed_by: f64,
     /// Why it is missed, where it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub why: Option<&'static str>,
 }
 
 /// Head of a table of goals.
 pub const GOAL_HEAD: [&str; 4] = ["asked for", "found", "at most", ""];
+
+/// All that can be said of an answer of `benchmark rths` or `benchmark marths`.
+///
+/// # Errors
+/// It is neither.
+pub fn goals(answer: &Value) -> Result<Vec<Goal>, &'static str> {
+    let rows = answer["rows"].as_array().map_or(&[][..], |rows| rows);
+    match rows.first().and_then(|row| row.get("J2")) {
+        Some(Value::Array(_)) => Ok(marths::goals(rows, answer)),
+        Some(Value::Number(_) | Value::Null) => Ok(rths::goals(rows, answer)),
+        _ => Err("no answer of `outerloop benchmark rths --json` or `benchmark marths --json`"),
+    }
+}
+
+/// A figure of a row; what is no number in JSON, such as NaN, is NaN.
+fn figure(row: &Value, name: &str) -> f64 {
+    row[name].as_f64().unwrap_or(f64::NAN)
+}
+
+/// How many, in a row.
+fn count(row: &Value, name: &str) -> usize {
+    row[name].as_u64().map_or(0, |n| n as usize)
+}
 
 impl Goal {
     /// Of figures and the most that each may be.
@@ -61,7 +87,7 @@ impl Goal {
     }
 
     /// The cells under [`GOAL_HEAD`].
-    pub fn cells(&self) -> Vec<String> {
+    pub fn cells(&self) -> [String; 4] {
         let list = |x: &[f64]| match x {
             [first, rest @ ..] if rest.iter().all(|v| v == first) => self.number(*first),
             all => {
@@ -74,7 +100,7 @@ impl Goal {
         } else {
             format!("missed by {} {}", self.number(self.missed_by), self.unit)
         };
-        vec![
+        [
             self.asked.clone(),
             format!("{} {}", list(&self.found), self.unit),
             format!("{} {}", list(&self.limit), self.unit),
@@ -84,9 +110,7 @@ impl Goal {
 
     /// In a sentence, with the reason where there is one.
     pub fn sentence(&self) -> String {
-        let [asked, found, limit, said] = &self.cells()[..] else {
-            return self.asked.clone();
-        };
+        let [asked, found, limit, said] = self.cells();
         let why = self.why.map_or_else(String::new, |why| format!(": {why}"));
         format!("{asked}: {found}, asked for at most {limit}: {said}{why}.")
     }
@@ -103,6 +127,7 @@ impl Goal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn what_is_missed_says_by_how_much_and_why_and_nan_is_missed() {
@@ -120,5 +145,16 @@ mod tests {
         );
         assert!(!Goal::new("J1", "%", [(f64::NAN, 1.0), (0.5, 1.0)]).reached());
         assert!(!Goal::new("nothing was found", "%", []).reached());
+    }
+
+    #[test]
+    fn an_answer_of_another_verb_is_refused() {
+        for other in [
+            json!({}),
+            json!({ "rows": [] }),
+            json!({ "rows": [{ "J2": "1" }] }),
+        ] {
+            assert!(goals(&other).is_err(), "{other}");
+        }
     }
 }
