@@ -20,7 +20,7 @@ fuzz_target!(
         if let Some((sequence, wiring)) = Wiring::decode(&slot(Wiring::KIND, bytes)) {
             let kept = wiring.encode(sequence).expect("it came from a slot");
             assert_eq!(kept[..10], slot(Wiring::KIND, bytes)[..10]);
-            let _ = (wiring.of(&CODES), wiring.calibration.number());
+            let _ = (wiring.of(&CODES, 1), wiring.calibration.number());
         }
     }
 );
@@ -89,7 +89,7 @@ fn seeds() -> Vec<Vec<u8>> {
     let mut coupled = Config::shear_frame([1e3; 3], [158e3; 3], [0.02; 3]);
     coupled.structure.physical_storeys = Some(1);
     let calibration = link::Calibration::over(0.1, 1e4, &CODES);
-    let wiring = Wiring::new(calibration, &CODES).encode(0);
+    let wiring = Wiring::new(calibration, &CODES, 1).encode(0);
     let tests = [Config::shear_frame([1e3], [158e3], [0.02]), coupled].map(BoardTest::from);
     let mut seeds: Vec<_> = tests
         .iter()
