@@ -254,21 +254,27 @@ fn a_pump_that_is_too_small_limits_the_speed() {
     assert!(a.error_after.test_rms < 0.2 * a.error_before.test_rms);
 }
 
+/// A second axis shakes the transducer at these frequencies: no input tells it.
+fn shaken(seed: u64, hz: &'static [f64]) -> Recording {
+    let mut i = 0.0;
+    record(seed, 10.0, plain, move |x| {
+        i += H;
+        let each = hz.iter().map(|hz| (TAU * hz * i + seed as f64 * hz).sin());
+        x + 0.3 * each.sum::<f64>()
+    })
+}
+
+#[test]
+fn lines_that_the_motion_does_not_have_are_beyond_tests() {
+    let (a, _) = asked(|seed| shaken(seed, &[31.7, 37.9]));
+    assert_eq!(a.verdict, Verdict::Unknown, "{a:?}");
+    // No motion of this rig tells more of it.
+    assert!(a.is_beyond_tests() && !a.is_open(), "{a:?}");
+}
+
 #[test]
 fn another_motion_that_is_not_recorded_gets_no_name() {
-    // A second axis shakes the transducer: no input tells it.
-    let make = |seed: u64| {
-        let mut i = 0.0;
-        record(seed, 10.0, plain, move |x| {
-            i += H;
-            let other: f64 = [1.13, 2.31, 3.77, 5.9]
-                .iter()
-                .map(|hz| (TAU * hz * i + seed as f64 * hz).sin())
-                .sum();
-            x + 0.3 * other
-        })
-    };
-    let (a, mut improved) = asked(make);
+    let (a, mut improved) = asked(|seed| shaken(seed, &[1.13, 2.31, 3.77, 5.9]));
     assert_eq!(a.verdict, Verdict::Unknown);
     // What comes nearest is there to be tried, switched off.
     let effects = &mut improved.actuator.as_mut().unwrap().effects;

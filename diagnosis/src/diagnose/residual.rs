@@ -143,6 +143,10 @@ impl ChannelDiagnosis<'_> {
             if let Some(r) = self.test.first() {
                 let measured = self.target_of(r).map_or(&[][..], Vec::as_slice);
                 found.lines.retain(|l| is_in(l, measured, r.interval_s()));
+                // No motion of this rig tells what another axis does.
+                answer.disturbed |= matches!(answer.verdict, Verdict::Partial | Verdict::Unknown)
+                    && held(&found.lines, rms(test)) > MOSTLY
+                    && !self.hunts(r);
             }
             answer.correction = correction(&learned, &found);
             answer.error_with_remainder = answer.correction.as_ref().map(|c| {

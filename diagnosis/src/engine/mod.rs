@@ -1,4 +1,4 @@
-//! The one engine: a channel is a path, terms and coloured noise; from a record to a decision on three screens.
+//! The one engine: a channel is a path, terms and coloured noise; from a record to a decision.
 //!
 //! ```text
 //! row, law/  one table of what may be missing: a row a law, a file a family
@@ -8,7 +8,7 @@
 //! beam       the one search: a set, a term more at a time         search     sets of laws by their products
 //! polish     a model's shapes at their best                       free       the rival without a name
 //! exact      where a law leaves noise, every sample counts
-//! posterior  the probability of each name                         verdict    three thresholds
+//! posterior  the probability of each name                         verdict    what is said of them
 //! settle     the chosen model to the last of the noise            sliding    friction where it slides
 //! unknowns   what a fit may move, and how that varies together    figures    a name's parameters with intervals
 //! asked      what an answer needs of a channel                    one_each   one model a name, for the next test
@@ -16,7 +16,7 @@
 //!
 //! What it expects of what surrounds it: records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the model
 //! already has (`prepare/known.rs`); a noise that is the transducer's and the declared model's on it, no disturbance
-//! (`prepare/noise.rs`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
+//! (`prepare/noise.rs`); and that what follows a verdict names nothing new (`diagnose.rs`). Notes, remainder, intervals of the error and saving take
 //! a [`SpecimenModelFit`] and its residuals. What is wrong in the matrices of several coordinates is found by the same search, posterior
 //! and verdict (`diagnose/coupled/select.rs`): there a name is an entry.
 

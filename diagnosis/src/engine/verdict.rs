@@ -1,4 +1,5 @@
-//! The decision, on one screen: three thresholds on a posterior, which nothing rewrites.
+//! The decision on a posterior. What may follow it stands in its order in `diagnose.rs`, and names nothing new: it takes a verdict back,
+//! widens it to a set, or lays what has no name to the noise.
 
 use super::posterior::{Candidate, Name, Posterior};
 use plant::{Effect, Family};

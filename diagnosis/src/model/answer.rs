@@ -291,7 +291,7 @@ pub struct ChannelAnswer {
     pub unnamed: Option<f64>,
     /// Whether `none` is said since what is left is what any sound position loop leaves beyond its delay and lag: an ordinary ram.
     pub ordinary: bool,
-    /// Whether what is left is mostly made by something outside these channels: a disturbance, or an input that is not recorded.
+    /// Whether what is left is mostly made by something outside these channels: lines that stand in the rest, or that the motion does not have.
     pub disturbed: bool,
     /// What comes nearest, where nothing is near enough.
     pub nearest: Option<Nearest>,

@@ -31,7 +31,7 @@ struct Arguments {
     /// At most so many records of a class
     #[arg(long)]
     records: Option<u64>,
-    /// A glance: every effect once by each set of equations
+    /// A quick exam: every effect once by each set of equations
     #[arg(long)]
     quick: bool,
     /// Only records of this class

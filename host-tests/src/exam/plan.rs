@@ -66,7 +66,7 @@ impl Plan {
         Self::new(seeds, [320, 400, 1000, 90, 160, 80], 40)
     }
 
-    /// A glance: every effect once by each set of equations.
+    /// A quick exam: every effect once by each set of equations.
     pub fn quick(seeds: Range<u64>) -> Self {
         Self::new(seeds, [40, 40, 40, 18, 12, 8], 0)
     }

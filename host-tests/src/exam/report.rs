@@ -133,7 +133,7 @@ impl<'a> Report<'a> {
         let in_set = |m| matches!(m, Mark::Exact | Mark::Set);
         let sealed = [
             share(&|c| matches!(c, Class::Matched | Class::Unseen), &in_set),
-            share(&|c| c == Class::Two, &Mark::is_right),
+            share(&|c| c == Class::Two, &|m| m == Mark::Exact),
             share(&|c| c == Class::Confounded, &in_set),
             share(&|c| c == Class::Outside, &|m| m == Mark::Exact),
             share(&|_| true, &|m| m == Mark::Wrong),

@@ -1,4 +1,4 @@
-//! A glance at the exam of the diagnosis: a few records of each class, graded as all of them are. The whole table is
+//! A quick exam of the diagnosis: a few records of each class, graded as all of them are. The whole table is
 //! printed by `diagnosis-exam`; what is asked here is what no change may lose.
 
 use exam::effect::LIST;
@@ -9,7 +9,7 @@ use host_tests::exam::tally::{Tally, estimates, median, said};
 use host_tests::exam::{Mark, Plan, examinee};
 
 #[test]
-fn the_diagnosis_passes_a_glance_at_its_exam() {
+fn the_diagnosis_passes_a_quick_exam() {
     let mut plan = Plan::quick(TUNING);
     // Every effect by matched equations, every second one by unseen ones, a few of each other class.
     plan.items.retain(|i| match i.class {

@@ -1,4 +1,4 @@
-//! What the diagnosis says of records of real rigs. Nobody gave a key to them: the verdict is held against what the
+//! What the diagnosis says of records of real rigs. Nobody gave a key to them: the verdict is compared with what the
 //! rests before and after the motion, the physics, and data that was held out say.
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
