@@ -267,15 +267,16 @@ pub fn run(
             let step = desk.step();
             step.mode() == Some(Mode::Armed) && step.command_m == 0.0
         });
-        if !starts {
+        // It may have tripped since: how far it went until then is looked at before arming.
+        if !starts || !matches!(desk.ask(Command::Event(Event::Start)), Reply::Done { .. }) {
             return Vec::new();
         }
     } else {
         desk.order(Command::Event(Event::Arm));
         while desk.step().mode() != Some(Mode::Armed) {}
         while desk.step().command_m != 0.0 {}
+        desk.order(Command::Event(Event::Start));
     }
-    desk.order(Command::Event(Event::Start));
     let mut moved = 0;
     let mut before_power_up = None;
     loop {

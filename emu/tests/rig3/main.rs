@@ -20,6 +20,8 @@ mod load;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;
+#[path = "../rig/priorities.rs"]
+mod priorities;
 #[path = "../rig16/silent.rs"]
 mod silent;
 mod three_storey;

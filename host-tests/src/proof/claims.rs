@@ -83,11 +83,26 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
             of_a_file(&file, &text, ids, &mut claims, &mut wrong);
         }
     }
+    let skipped =
+        skipped_in_a_push(&std::fs::read_to_string(top.join("scripts/tiers")).unwrap_or_default());
+    for claim in claims.iter_mut().filter(|c| c.place == Place::Image) {
+        let module = Path::new(&claim.file).file_stem().unwrap_or_default();
+        let path = format!("{}::{}", module.to_string_lossy(), claim.test);
+        claim.nightly |= skipped.iter().any(|name| path.contains(name));
+    }
     if wrong.is_empty() {
         Ok(claims)
     } else {
         Err(wrong)
     }
+}
+
+/// Beginnings of the tests on the emulated board that a push leaves to the night, of `scripts/tiers`.
+fn skipped_in_a_push(tiers: &str) -> Vec<String> {
+    let list = tiers.split_once("\nnightly_emulated=(");
+    let list = list.and_then(|(_, rest)| rest.split_once(')'));
+    let names = list.map_or("", |(names, _)| names).split_whitespace();
+    names.map(str::to_owned).collect()
 }
 
 fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong: &mut Vec<String>) {
@@ -273,6 +288,14 @@ mod tests {
         assert_eq!(ids, ["fault.force", "limit.force_n"]);
         assert!(claims[0].ids.iter().all(|(_, by)| by[..] == ["Burst"]));
         assert_eq!(claims[0].test, "one");
+    }
+
+    #[test]
+    fn what_a_push_leaves_out_is_read_off_the_tiers() {
+        let tiers = "a=(b)\nnightly_emulated=(modes::every one\n    two)\nc=(d)";
+        assert_eq!(skipped_in_a_push(tiers), ["modes::every", "one", "two"]);
+        let here = std::fs::read_to_string(super::super::top().join("scripts/tiers")).unwrap();
+        assert!(skipped_in_a_push(&here).len() > 5);
     }
 
     #[test]
