@@ -99,7 +99,7 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(said) => {
             let verbs = verbs_below(&Arguments::command());
-            if let Some(sentence) = terminal::misspelt::sentence(&said, &verbs) {
+            if let Some(sentence) = terminal::argument_error::sentence(&said, &verbs) {
                 return ended(Err(Failure::input(sentence)));
             }
             return match said.print() {

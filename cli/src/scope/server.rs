@@ -18,7 +18,7 @@ const PERIOD: Duration = Duration::from_millis(20);
 /// How long a browser may take to send its request, or to read a message, before it is dropped.
 const TIMEOUT: Duration = Duration::from_secs(2);
 /// How long a look at the buttons takes where none was pressed.
-const GLANCE: Duration = Duration::from_millis(1);
+const SHORT_WAIT: Duration = Duration::from_millis(1);
 /// The longest request.
 const HEAD: usize = 8192;
 /// Messages that a browser that comes late gets first: some 40 s.
@@ -268,7 +268,7 @@ impl Shared {
 
     /// Sends what there is and receives buttons, until either end closes.
     fn talk(&self, mut socket: WebSocket<TcpStream>) {
-        let _ = socket.get_ref().set_read_timeout(Some(GLANCE));
+        let _ = socket.get_ref().set_read_timeout(Some(SHORT_WAIT));
         let mut next = self.state().first;
         if socket.send(Message::text(self.hello.as_str())).is_err() {
             return;

@@ -194,7 +194,7 @@ pub struct ClientConnection {
 }
 
 /// How long a read waits before the rig is looked after.
-const GLANCE: Duration = Duration::from_millis(1);
+const SHORT_WAIT: Duration = Duration::from_millis(1);
 /// How long a read waits where the rig needs nobody.
 const REST: Duration = Duration::from_millis(50);
 /// How long the first message may take, s.
@@ -257,7 +257,7 @@ impl ClientConnection {
     /// # Errors
     /// The connection is broken.
     pub fn set_poll_interval(&mut self, often: bool) -> Result<(), ClientGone> {
-        let wait = if often { GLANCE } else { REST };
+        let wait = if often { SHORT_WAIT } else { REST };
         self.stream
             .set_read_timeout(Some(wait))
             .map_err(|e| ClientGone::Broken(e.to_string()))

@@ -8,7 +8,7 @@ use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
 use outerloop_core::watch::Instructions;
-use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Sample, flag};
+use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Record, Sample, flag};
 use std::time::Instant;
 
 /// Idle steps before arming: the loop averages where the specimen stands.
@@ -132,6 +132,12 @@ impl Bench for PlantBench<'_> {
 }
 
 impl PlantBench<'_> {
+    /// The computed displacement has left what is of interest.
+    fn is_beyond<const N: usize>(&self, record: &Record<N>) -> bool {
+        let far = |u: &f32| f64::from(u.abs()) > self.stop_beyond_m;
+        record.has(flag::SOLVED) && record.command_m.iter().any(far)
+    }
+
     /// Arms, approaches and runs on a rig that gives a sample for the commands in force, m, after so many control steps of
     /// the running test, in this mode.
     fn drive<const N: usize, R: outerloop_core::Rig<N>>(
@@ -169,12 +175,7 @@ impl PlantBench<'_> {
                         ..step.record.into()
                     });
                     done += 1;
-                    let computed = &step.record.command_m;
-                    if step.record.has(flag::SOLVED)
-                        && computed
-                            .iter()
-                            .any(|u| f64::from(u.abs()) > self.stop_beyond_m)
-                    {
+                    if self.is_beyond(&step.record) {
                         break;
                     }
                 }

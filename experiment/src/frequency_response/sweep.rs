@@ -133,7 +133,7 @@ fn blocks(phase: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// By how much the frequency departs from a straight line over time, of its mean: a parabola is fitted to the phase and what
-/// it leaves is held against a cycle.
+/// it leaves is compared with a cycle.
 fn departure(phase: &[f64]) -> f64 {
     let n = phase.len();
     let at = |i: usize| 2.0 * i as f64 / n as f64 - 1.0;
