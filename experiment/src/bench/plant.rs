@@ -175,7 +175,7 @@ impl PlantBench<'_> {
                         ..step.record.into()
                     });
                     done += 1;
-                    if self.is_beyond(&step.record) {
+                    if self.is_beyond(step.record) {
                         break;
                     }
                 }

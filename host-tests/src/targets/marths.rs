@@ -1,6 +1,6 @@
 //! What was asked for on the multi-axial problem, and by how much it is missed.
 
-use super::{Goal, count};
+use super::goal::{Goal, count};
 use benchmarks::marths::contestants::PairContestant;
 use benchmarks::marths::criteria::Both;
 use serde_json::Value;

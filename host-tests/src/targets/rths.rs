@@ -1,6 +1,6 @@
 //! What was to be beaten and to be reached on the problem of one actuator, and by how much it is missed.
 
-use super::{Goal, count, figure};
+use super::goal::{Goal, count, figure};
 use benchmarks::rths::published::{PORT, PortFigures, TABLE_3, WORST_DRAWN};
 use benchmarks::rths::verdict::RIGHT_STRUCTURE;
 use benchmarks::rths::{Contestant, Deviation, Rules};
