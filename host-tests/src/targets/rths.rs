@@ -210,3 +210,35 @@ fn whole_table(rows: &[Value], seconds: f64) -> Option<Goal> {
         .or_because("what else the machine did counts in it: `time` shows the processor time, half of which two idle cores take")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// The port's own figures, as rows of its controller.
+    fn published() -> Vec<Value> {
+        let port = &PORT[0];
+        let row = |case: usize| {
+            let [j2, j2_true, j4, j4_true, j7] = port.nominal.map(|j| j[case]);
+            json!({ "controller": port.controller, "record": RECORD,
+                "J2": j2, "J2_true": j2_true, "J4": j4, "J4_true": j4_true, "J7": j7 })
+        };
+        (0..4).map(row).collect()
+    }
+
+    fn reached(rows: &[Value], rules: &str) -> Vec<bool> {
+        let goals = goals(rows, &json!({ "rules": rules }));
+        goals.iter().map(Goal::reached).collect()
+    }
+
+    #[test]
+    fn a_figure_that_is_no_number_is_missed_and_other_rules_are_asked_nothing() {
+        let mut rows = published();
+        assert_eq!(reached(&rows, "official"), [true]);
+        assert_eq!(reached(&rows, "own"), [false; 0]);
+        // As JSON has NaN.
+        rows[2]["J4"] = Value::Null;
+        assert_eq!(reached(&rows, "official"), [false]);
+    }
+}
