@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Judge answers of `outerloop benchmark rths --json` and `benchmark marths --json` by what was asked for: exit status 1 where
-/// something is missed
+/// something is missed, 2 for bad input
 #[derive(Parser, Debug)]
 struct Arguments {
     /// rths.json or marths.json of the command's --out, or `-` for an answer on standard input
@@ -23,7 +23,7 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::FAILURE,
         Err(failure) => {
             eprintln!("benchmark-targets: {failure}");
-            ExitCode::FAILURE
+            ExitCode::from(2)
         }
     }
 }
