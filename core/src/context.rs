@@ -1,4 +1,4 @@
-//! What a part of the loop may know when its constants are worked out. Configuration only: f64.
+//! The inputs available to a part of the loop when its constants are computed. Configuration only: f64.
 
 use crate::config::Compensation;
 use crate::matrix::Matrix;
@@ -44,7 +44,7 @@ impl<const N: usize> Context<'_, N> {
         self.actuator(j).delay_ms * 1e-3 / self.time_scale
     }
 
-    /// What a running peak of the motion keeps from one integration step to the next: it fades within a natural period.
+    /// Decay factor of a running peak of the motion per integration step: it fades within a natural period.
     pub fn peak_memory(&self) -> f32 {
         libm::exp(-self.omega[0] * self.model_step_s / core::f64::consts::TAU) as f32
     }

@@ -1,4 +1,4 @@
-//! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
+//! Turns a checked configuration into the constants of the step. The only place where f64 meets the loop.
 
 use crate::config::{Config, Estimation, Filter, PerFloor};
 use crate::context::Context;
@@ -18,12 +18,12 @@ use crate::watch::steps_in_block;
 /// The longest ramp after a fault, s.
 const LONGEST_RAMP_S: f64 = 2.0;
 
-/// Over how many samples the mean is taken that the command follows while idle, and over how long at most, s: a rig that sinks by
-/// 5 mm/s is not left behind by more than 0.3 mm.
+/// Length of the mean that the command follows while idle, in samples, and its longest duration, s: it lags a rig that
+/// sinks by 5 mm/s by no more than 0.3 mm.
 const IDLE_MEAN_STEPS: f64 = 64.0;
 const IDLE_MEAN_S: f64 = 0.064;
 
-/// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
+/// Everything that the step of a loop with `N` degrees of freedom uses, in f32, computed once.
 #[derive(Clone, Debug)]
 pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
     pub(crate) step: StepConstants<N>,
@@ -33,18 +33,19 @@ pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
     pub(crate) rig: R::Constants,
 }
 
-/// Time constant of the acceleration by which the watch has a command sent further ahead, as a phase of the first mode. Without it a
-/// mass at the load cell and an actuator that resonates shake each other. Of 0.15 rad of lead it takes 1 permille of the peak.
+/// Time constant of the acceleration used when the watch sends a command further ahead, as a phase of the first mode.
+/// Without it a mass at the load cell and a resonant actuator excite each other. At 0.15 rad of lead it costs 1
+/// permille of the peak.
 const LEAD_FOLLOWS_RAD: f64 = 0.1;
 
-/// What every step uses, whatever the compensation.
+/// Used by every step, whatever the compensation.
 #[derive(Clone, Debug)]
 pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::SignalConstants,
     /// Control steps by which the target is advanced.
     pub(crate) lead_steps: f32,
-    /// Share by which the acceleration of what is sent further ahead follows the target's in a control step.
+    /// Fraction by which the acceleration for additional lead follows the target's per control step.
     pub(crate) lead_follows: f32,
     /// True if the sent command differs from the target: there is a predictor, or the actuator's gain or offset is
     /// corrected.
@@ -68,11 +69,11 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) approach_step_m: f32,
     /// Deceleration of the ramp to hold, m per control step squared.
     pub(crate) deceleration_step_m: f32,
-    /// Share of a reading in the mean that the command follows while idle.
+    /// Weight of a reading in the mean that the command follows while idle.
     pub(crate) idle_share: f32,
     /// The longest ramp after a fault, control steps.
     pub(crate) longest_ramp_steps: f32,
-    /// By how much the share of the prediction grows in a control step after a hold.
+    /// Growth of the prediction's fraction per control step after a hold.
     pub(crate) resume_step: f32,
     pub(crate) physical: usize,
     /// Control steps in a block of the watch.
@@ -80,7 +81,7 @@ pub(crate) struct StepConstants<const N: usize> {
 }
 
 impl<const N: usize> Design<N> {
-    /// Checks `config` and works its constants out.
+    /// Checks `config` and computes its constants.
     ///
     /// # Errors
     /// The first parameter that cannot be accepted.
@@ -111,14 +112,14 @@ impl<const N: usize> Design<N> {
         config.check()?;
         let noise_m = config.estimation.displacement_noise_m;
         let rig = config.rig.constants(config.timing.rate_hz, noise_m);
-        // Handed through as it comes: a design that is changed here would lie on a board's stack twice.
+        // Returned unmodified: a design changed here would lie on a board's stack twice.
         let corrects = [rig.is_some(), config.rig.moves_commands()];
         Self::on_rig(config, structure, rig, corrects)
     }
 }
 
 impl<const N: usize, R: Rig<N>> Design<N, R> {
-    /// As [`Design::with_structure`], of a configuration that has been checked, on any rig. `corrects`: whether the rig changes
+    /// Like [`Design::with_structure`], for a checked configuration on any rig. `corrects`: whether the rig changes
     /// readings, and whether it changes commands.
     ///
     /// # Errors
@@ -194,7 +195,7 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
     }
 }
 
-/// A list as an array; what is missing is 0. The check has seen to it that only masses on load cells may be.
+/// A list as an array, missing entries being 0. The check ensures that only masses on load cells may be missing.
 fn floors<const N: usize>(list: &PerFloor) -> [f64; N] {
     core::array::from_fn(|j| list.get(j).copied().unwrap_or(0.0))
 }

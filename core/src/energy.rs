@@ -1,8 +1,8 @@
 //! Energy errors of a step, three ways, and the HSEM monitor.
 //!
-//! Signs: all three are negative where the actuator puts energy *in*, as Eq 14 needs it. Eq 7 as printed has the
-//! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
-//! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
+//! Signs: all three are negative if the actuator puts energy *in*, as Eq 14 requires. Eq 7 as printed has the
+//! opposite sign and is reversed here: the energy that the integration perceives minus what the specimen really took.
+//! Per step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 
 use crate::float::{larger, unlikely};
 use crate::structure::actuated;
@@ -11,7 +11,7 @@ use crate::sum::CompensatedSum;
 /// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.
 pub const MAX_WINDOW: usize = 64;
 
-/// What the energies are formed from at an integration step.
+/// The inputs to the energies at an integration step.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation<const N: usize> {
     /// Command that has been reached, u_c, m.
@@ -46,7 +46,7 @@ pub struct Windowed<const N: usize> {
     pub moved_m: [f32; N],
 }
 
-/// One past step of an axis, as far as later ones need it.
+/// The part of an axis's past step that later steps need.
 #[derive(Clone, Copy, Debug)]
 struct StepBefore {
     command_m: f32,
@@ -56,7 +56,7 @@ struct StepBefore {
 }
 
 impl Errors {
-    /// What a sum begins with: adding to -0 changes no number, adding to 0 costs an instruction.
+    /// Start value of a sum: adding to -0 changes no number, adding to 0 costs an instruction.
     const NOTHING: Self = Self {
         stiffness_j: -0.0,
         hsem_j: -0.0,
@@ -73,7 +73,7 @@ impl StepBefore {
     };
 }
 
-/// The three energy errors of a test, the long array behind the rest.
+/// The three energy errors of a test; the long array comes last.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct EnergyErrors<const N: usize> {
@@ -83,7 +83,7 @@ pub struct EnergyErrors<const N: usize> {
     step: Errors,
     cumulative: [CompensatedSum; 3],
     stiffness_n_per_m: [[f32; N]; N],
-    /// Of axes without an actuator nothing is kept.
+    /// Unused for axes without an actuator.
     past: [[StepBefore; N]; MAX_WINDOW],
 }
 
@@ -169,10 +169,10 @@ impl<const N: usize> EnergyErrors<N> {
     }
 }
 
-/// How much of the energy in the test is error: Mosqueda's indicator.
+/// The fraction of the test's energy that is error: Mosqueda's indicator.
 ///
-/// `|HSEM error + work of the correction| / (input energy + largest strain energy)`. What the compensation has
-/// taken out again is no longer an error; without compensation the numerator is plain HSEM.
+/// `|HSEM error + work of the correction| / (input energy + largest strain energy)`. Error energy that the compensation
+/// has removed no longer counts; without compensation the numerator is plain HSEM.
 #[derive(Clone, Debug)]
 pub struct Monitor<const N: usize> {
     stiffness_n_per_m: [f32; N],
@@ -230,7 +230,7 @@ impl<const N: usize> Monitor<N> {
         if input_j > 0.0 {
             scale_j += input_j;
         }
-        // A ratio of nothing to nothing at the start is not an error.
+        // 0/0 at the start is not an error.
         self.ratio = if scale_j > self.floor_j {
             (hsem_j + self.correction.value()).abs() / scale_j
         } else {

@@ -3,19 +3,19 @@
 //! `f32::max` and `f32::min` also define the result for a NaN, which takes a dozen instructions on a processor without
 //! an instruction for it. Here a NaN in the second place is ignored, and one in the first place stays.
 
-/// The larger of two numbers; `a` where `b` is NaN.
+/// The larger of two numbers; `a` if `b` is NaN.
 #[inline]
 pub fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// The smaller of two numbers; `a` where `b` is NaN.
+/// The smaller of two numbers; `a` if `b` is NaN.
 #[inline]
 pub fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
-/// Gives back what it is given. The compiler lays the branch that calls this away from the common path, which then runs
+/// Returns its argument. The compiler lays the branch that calls this away from the common path, which then runs
 /// straight on.
 #[cold]
 #[inline(never)]

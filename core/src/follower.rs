@@ -1,4 +1,4 @@
-//! A target that comes from outside, sample by sample: for a numerical part that is not core's own.
+//! External targets, sample by sample: for a numerical part other than core's own.
 //!
 //! ```text
 //!  numerical part ─► target ─►(+)─► differences ─► ahead ─► predictor ─► command
@@ -6,13 +6,13 @@
 //!             copy of the numerical part ◄── correction of the force
 //! ```
 //!
-//! A target that is only known when it is due has been a control step too late for core, whose command is for the end
-//! of the period: so the motion is carried on by a step, with the polynomial of fourth order through the last five
-//! targets, which also gives velocity and acceleration.
+//! A target that is known only when it is due is a control step too late for core, whose command is for the end of the
+//! period. So the motion is extrapolated by a step, with the fourth-order polynomial through the last five targets,
+//! which also gives velocity and acceleration.
 //!
-//! What a compensation puts into the equation of motion cannot reach a numerical part that is elsewhere. It goes through
-//! a copy of it, the declared one, and what the copy answers is added to the target: both are linear, so the specimen
-//! is sent where it would have been sent.
+//! A compensation that acts in the equation of motion cannot reach an external numerical part. It acts on the declared
+//! copy of it instead, and the copy's response is added to the target: both are linear, so the specimen is sent where
+//! it would have been sent.
 
 use crate::design::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Observation};
@@ -21,17 +21,17 @@ use crate::newmark::Newmark;
 use crate::predict::{LastCommand, Predictor, TargetMotion};
 use crate::structure::actuated;
 
-/// Differences that are kept: the polynomial's order.
+/// Number of differences kept: the polynomial's order.
 const ORDER: usize = 4;
 
-/// What the last targets of an axis say about the next: Newton's backward form.
+/// Extrapolation of an axis's last targets: Newton's backward form.
 #[derive(Clone, Copy, Debug, Default)]
 struct Course {
     /// The target and its backward differences.
     differences: [f32; ORDER + 1],
 }
 
-/// Weights of the differences in the value and the first two derivatives some control steps ahead.
+/// Weights of the differences in the value and first two derivatives some control steps ahead.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
     displacement: [f32; ORDER],
@@ -72,7 +72,7 @@ impl Course {
         }
     }
 
-    /// Value, first and second derivative where `weights` are for.
+    /// Value, first and second derivative at the time that `weights` are for.
     #[inline]
     fn ahead(&self, weights: &Weights) -> TargetMotion {
         let [u, d1, d2, d3, d4] = self.differences;
@@ -89,7 +89,7 @@ impl Course {
     }
 }
 
-/// The compensation of a test whose targets come from outside.
+/// The compensation of a test with external targets.
 ///
 /// ```
 /// use outerloop_core::{Config, Design, Follower, Method};
@@ -109,7 +109,7 @@ impl Course {
 pub struct Follower<const N: usize> {
     design: StepConstants<N>,
     law: Law<N>,
-    /// What the law did last, which only laws look at.
+    /// The law's last action, used only by laws.
     shown: Correction<N>,
     predictor: Predictor<N>,
     energy: EnergyErrors<N>,
@@ -119,7 +119,7 @@ pub struct Follower<const N: usize> {
     late_steps: f32,
     /// True if the copy of the numerical part has a force to respond to.
     corrects: bool,
-    /// Axes whose course is followed: those with an actuator, or all where the predictor looks at all.
+    /// Axes whose motion is followed: those with an actuator, or all if the predictor uses all.
     followed: usize,
     course: [Course; N],
     /// Of the course, to the time that a command is for.
@@ -130,8 +130,8 @@ pub struct Follower<const N: usize> {
 }
 
 impl<const N: usize> Follower<N> {
-    /// At rest. `late_steps` is by how many control steps the force reaches the numerical part too late, half of the step
-    /// for which it is held there included; 0 corrects nothing.
+    /// At rest. `late_steps` is the delay, in control steps, with which the force reaches the numerical part, including
+    /// half of the step for which it is held there; 0 corrects nothing.
     pub fn new(design: Design<N>, late_steps: f32) -> Self {
         let Design {
             step,
@@ -161,7 +161,7 @@ impl<const N: usize> Follower<N> {
     }
 
     /// One control step: the target of this sample, what was measured at it (displacement, m; force, N), and the command
-    /// until the next sample, m. Of axes without an actuator the target comes back.
+    /// until the next sample, m. Axes without an actuator return their target.
     #[inline(never)]
     pub fn step(
         &mut self,
@@ -210,7 +210,7 @@ impl<const N: usize> Follower<N> {
         command_m
     }
 
-    /// What the force is corrected by, N.
+    /// The correction of the force, N.
     #[inline]
     fn correction(
         &mut self,

@@ -50,7 +50,7 @@ impl<const N: usize> IdealTest<N> {
         }
     }
 
-    /// Where the actuators stand, m.
+    /// Positions of the actuators, m.
     #[inline]
     pub fn command_m(&self) -> &[f32; N] {
         self.signal.command_m()
@@ -68,7 +68,8 @@ impl<const N: usize> IdealTest<N> {
         self.step > ground.steps()
     }
 
-    /// One control step: `force_n` is the restoring force where the actuators stand, N. Axes without an actuator have none.
+    /// One control step: `force_n` is the restoring force at the actuators' positions, N. Axes without an actuator have
+    /// none.
     #[inline]
     pub fn step(&mut self, mut force_n: [f32; N], ground: &GroundMotion<'_>) {
         if self.at_target() {

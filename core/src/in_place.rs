@@ -1,4 +1,4 @@
-//! The rig watch where the loop runs, without tasks beside it: on a PC.
+//! The rig watch in the loop's own thread, without separate tasks: on a PC.
 
 use crate::outer_loop::OuterLoop;
 use crate::rig::Rig;
@@ -11,11 +11,11 @@ pub struct InPlace<const N: usize> {
     /// The control step that was looked at last.
     tick: Option<u32>,
     asked: Orders<N>,
-    /// The answers to the last blocks, with orders where they are other ones than before.
+    /// The answers to the last blocks, with orders if they differ from the previous ones.
     answers: [Option<(BlockId, Option<Orders<N>>)>; LATENCY],
 }
 
-/// Where the answer to a block is.
+/// Position of the answer to a block.
 fn place(block: BlockId) -> usize {
     block.number() as usize % LATENCY
 }

@@ -19,23 +19,23 @@
 //! | `C_cor` | variable damping that compensates it | N s/m |
 //! | `G_v` | sech gain, Eq 19 | 1 |
 //!
-//! Start reading at `outer_loop/step.rs`. Equation numbers are those of the paper (see the README). Time is that of the
-//! model in `newmark.rs`, `energy.rs` and the force laws, that of the laboratory elsewhere; the time scale is between them.
+//! Start reading at `outer_loop/step.rs`. Equation numbers are those of the paper (see the README). `newmark.rs`,
+//! `energy.rs` and the force laws use model time, everything else laboratory time; the time scale relates the two.
 //!
-//! What a test needs is here at the root. [`config`] has what a test file says, [`coupled`] the rig of two actuators on one
-//! coupler.
+//! The types that a test needs are at the root. [`config`] holds the contents of a test file, [`coupled`] the rig of
+//! two actuators on one coupler.
 
 #![no_std]
 #![forbid(unsafe_code)]
-// What only some methods use, a build without them does not.
+// Code that only some methods use is dead in a build without them.
 #![cfg_attr(
     not(feature = "all-methods"),
     allow(dead_code, unused_imports, unused_variables)
 )]
-// `!(x <= limit)` is how a NaN fails a limit.
+// Limits are written `!(x <= limit)` so that a NaN fails them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-// The schema of a configuration is made on a PC.
+// Configuration schemas are only generated on a PC.
 #[cfg(feature = "schema")]
 extern crate std;
 

@@ -50,7 +50,7 @@ pub fn sum<const N: usize>(a: &Matrix<N>, factor: f64, b: &Matrix<N>) -> Matrix<
     m
 }
 
-/// The lower Cholesky factor, or `None` where the matrix is not symmetric positive definite.
+/// The lower Cholesky factor, or `None` if the matrix is not symmetric positive definite.
 pub fn cholesky<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
     let mut l = zeros::<N>();
     for i in 0..N {
@@ -84,7 +84,7 @@ fn lower_inverse<const N: usize>(l: &Matrix<N>) -> Matrix<N> {
     m
 }
 
-/// The inverse of a symmetric positive definite matrix, or `None` where it is not one.
+/// The inverse of a symmetric positive definite matrix, or `None` if it is not one.
 pub fn inverse<const N: usize>(a: &Matrix<N>) -> Option<Matrix<N>> {
     let l = lower_inverse(&cholesky(a)?);
     Some(product(&transpose(&l), &l))

@@ -11,7 +11,7 @@ use crate::refusal::Refusal;
 use crate::structure::{Structure, actuated};
 use crate::sum::{CompensatedSum, Split};
 
-/// Constants of the integration, worked out once.
+/// Constants of the integration, computed once.
 #[derive(Clone, Debug)]
 pub struct Coefficients<const N: usize> {
     /// `dt^2 (M + dt/2 C)^-1`, m/N.
@@ -20,7 +20,7 @@ pub struct Coefficients<const N: usize> {
     damping_per_increment: [[f32; N]; N],
     /// `-M g`, kg: load per ground acceleration.
     load_kg: [f32; N],
-    /// Numerical stiffness, N/m, where there is one.
+    /// Numerical stiffness, N/m, if there is one.
     numerical_stiffness: Option<[[f32; N]; N]>,
     /// Number of axes on which damping may be added: those with an actuator.
     physical: usize,
@@ -31,13 +31,13 @@ pub struct Coefficients<const N: usize> {
 }
 
 impl<const N: usize> Coefficients<N> {
-    /// Works the constants out for a step of `dt_s` of model time; `inertia_share` is the share of a load
+    /// Computes the constants for a step of `dt_s` of model time; `inertia_share` is the fraction of a load
     /// cell's mass that it reads as force, 1 / time scale squared.
     ///
     /// # Errors
     /// An effective mass that is not positive definite.
     pub fn new(structure: &Structure<N>, dt_s: f64, inertia_share: f64) -> Result<Self, Refusal> {
-        // The mass on the load cell reports its own inertia: what is left for the computer is the rest.
+        // The load cell already measures the inertia of its own mass: only the rest is integrated numerically.
         let mut numerical_mass = structure.mass;
         for j in 0..N {
             numerical_mass[j][j] -= inertia_share * structure.physical_mass_kg[j];
@@ -72,7 +72,7 @@ impl<const N: usize> Coefficients<N> {
     }
 }
 
-/// The integrated motion of the structure: target `u_i` and what leads to the next.
+/// The integrated motion of the structure: target `u_i` and the state that leads to the next.
 #[derive(Clone, Debug)]
 pub struct Newmark<const N: usize> {
     u: [CompensatedSum; N],
@@ -88,7 +88,7 @@ impl<const N: usize> Newmark<N> {
         Self::starting([0.0; N], [0.0; N])
     }
 
-    /// With a displacement (m) and a displacement per step, `q = dt v` (m), for free vibration.
+    /// Starts from a displacement (m) and a displacement per step, `q = dt v` (m), for free vibration.
     pub fn starting(displacement_m: [f32; N], velocity_dt_m: [f32; N]) -> Self {
         Self {
             u: displacement_m.map(CompensatedSum::new),
@@ -130,8 +130,8 @@ impl<const N: usize> Newmark<N> {
         core::array::from_fn(|j| self.q[j].plus(self.s[j]))
     }
 
-    /// Moves on to a target that was solved for outside. Velocity and acceleration are its central differences, which
-    /// are those of the explicit integration: `q_i = (u_{i+1} - u_{i-1})/2`, `s_i = u_{i+1} - 2 u_i + u_{i-1}`.
+    /// Moves on to an externally solved target. Velocity and acceleration are central differences, the same as those
+    /// of the explicit integration: `q_i = (u_{i+1} - u_{i-1})/2`, `s_i = u_{i+1} - 2 u_i + u_{i-1}`.
     pub fn follow(&mut self, next_m: [f32; N]) {
         for j in 0..N {
             let (before, now) = (self.increment[j], next_m[j] - self.u[j].value());
@@ -198,8 +198,8 @@ impl<const N: usize> Newmark<N> {
 /// Solves `(I + A C_cor / (2 dt)) s = b` in place, with `A` the flexibility and `b` the first guess.
 ///
 /// Gauss without pivoting: for C_cor >= 0 every leading minor is at least 1, since those of `A` (symmetric
-/// positive definite) and of a non-negative diagonal are non-negative. The guard keeps it away from 0 otherwise.
-/// Without an actuator there is no damping: those columns are of the identity.
+/// positive definite) and of a non-negative diagonal are non-negative. Otherwise the guard keeps the pivot away
+/// from 0. Axes without an actuator have no damping: their columns are those of the identity.
 #[inline]
 fn solve_with_added_damping<const N: usize>(
     k: &Coefficients<N>,

@@ -1,17 +1,17 @@
-//! The outer loop of a test: what goes in, what comes out, and what is kept between two control steps.
+//! The outer loop of a test: its input, its output and its state between control steps.
 //!
-//! | file | what is there |
+//! | file | contents |
 //! |---|---|
 //! | `step.rs` | one control step, in the order in which it happens |
-//! | `motion.rs` | the next target where no test runs: following, approach, standstill, commissioning |
-//! | `command.rs` | from target to command: prediction, interlocks, what is sent |
-//! | `operate.rs` | what the operator does between steps |
-//! | `outside.rs` | targets from a numerical part outside |
-//! | `watched.rs` | what the rig watch is given and what it asks for |
+//! | `motion.rs` | the next target while no test runs: following, approach, standstill, commissioning |
+//! | `command.rs` | from target to command: prediction, interlocks, sending |
+//! | `operate.rs` | operator actions between steps |
+//! | `outside.rs` | targets from an external numerical part |
+//! | `watched.rs` | the rig watch's inputs and requests |
 //!
-//! The target `u_c` of the integration and the command that is sent for it are two things: a predictor sends the
-//! actuator ahead of the target. Energies and errors are measured on the target; interlocks, the estimator's known input
-//! and every standstill are about what is sent.
+//! The integration's target `u_c` and the command sent for it differ: a predictor sends the actuator ahead of the
+//! target. Energies and errors refer to the target; interlocks, the estimator's known input and every standstill refer
+//! to the command.
 
 mod command;
 mod motion;
@@ -32,18 +32,18 @@ use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
 use crate::watch::Post;
 
-/// What was measured in a control step, and what the board knows about it.
+/// The measurements of a control step, and what the board knows about them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
-    /// Measured displacement of each axis, m. Axes without an actuator are not looked at.
+    /// Measured displacement of each axis, m. Axes without an actuator are ignored.
     pub displacement_m: [f32; N],
     /// Measured force of each axis, N, positive where it resists positive displacement.
     pub force_n: [f32; N],
-    /// Taken in this control period; a sample that is not is not integrated with.
+    /// True if taken in this control period; a stale sample is not used for integration.
     pub fresh: bool,
-    /// The contact behind PERMIT is open: nothing approaches yet.
+    /// The contact behind PERMIT is open: the approach does not start yet.
     pub chain_open: bool,
-    /// What the board has to report: a rail, a missed deadline, a lost link, the emergency stop.
+    /// A fault reported by the board: a rail, a missed deadline, a lost link, the emergency stop.
     pub fault: Option<Fault>,
 }
 
@@ -60,12 +60,12 @@ impl<const N: usize> Sample<N> {
     }
 }
 
-/// What a control step gives.
+/// The result of a control step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a, const N: usize> {
     /// Command for the next control period, m; always finite.
     pub command_m: [f32; N],
-    /// True if the actuator may move on it.
+    /// True if the actuator may move to it.
     pub permit: bool,
     /// The record of this step.
     pub record: &'a Record<N>,
@@ -86,15 +86,15 @@ pub enum Pace {
     Continuous,
 }
 
-/// The outer loop of a test with `N` degrees of freedom on a rig `R`: actuators that each move a floor of their own where
-/// it is not named, or [`CoupledRig`](crate::coupled::CoupledRig).
+/// The outer loop of a test with `N` degrees of freedom on a rig `R`: by default actuators that each move a floor of
+/// their own, or else [`CoupledRig`](crate::coupled::CoupledRig).
 ///
 /// # Timing
-/// [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
-/// gives the command for the next. It does no input or output, never waits, and takes the same path in every call of
-/// a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
-// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction, and
-// what only some compensations use behind them.
+/// Call [`OuterLoop::step`] once per control period with the sample taken while the last command was in force; it
+/// returns the command for the next. It does no I/O, never waits, and takes the same path in every call of the same
+/// kind; the caller checks it against its period and reports an overrun as [`Fault::DeadlineMissed`].
+// Field order matters: what every step touches comes before the long arrays, within reach of one instruction; what
+// only some compensations use comes after them.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
@@ -106,7 +106,7 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     ground_m_per_s2: f32,
     /// Command in force, m.
     sent_m: [f32; N],
-    /// True displacement that this command is for, m: the target, or ahead of it.
+    /// True displacement that this command aims at, m: the target, or ahead of it.
     aimed_m: [f32; N],
     target_m: [f32; N],
     monitor: Monitor<N>,
@@ -117,7 +117,7 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     stale: StaleWatch<N>,
     lock: LockWatch,
     trip: Option<Trip>,
-    /// The last thing that stood against arming, and in which control step.
+    /// The last obstacle to arming, and the control step in which it was found.
     obstacle: Option<Finding>,
     obstacle_tick: u32,
     idle_mean_m: Option<[f32; N]>,
@@ -128,13 +128,13 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     history: History<N>,
     predictor: Predictor<N>,
     rig: R,
-    /// By how much the last target was led, m.
+    /// Lead applied to the last target, m.
     lead_m: [f32; N],
-    /// Acceleration by which it was, m per control step squared.
+    /// Acceleration used for that lead, m per control step squared.
     lead_acceleration_m: [f32; N],
-    /// While resuming: the share of the prediction that is sent.
+    /// While resuming: the fraction of the prediction that is sent.
     resume_share: f32,
-    /// Targets from outside: how the actuator moves to them, the next target, and the force returned for the last.
+    /// External targets: how the actuator moves to them, the next target, and the force returned for the last.
     pace: Option<Pace>,
     next_target_m: Option<[f32; N]>,
     answer_n: [f32; N],

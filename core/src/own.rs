@@ -1,9 +1,9 @@
-//! A method of one's own, without a fork: a program, on a PC or on a board, brings it when it starts.
+//! Your own method without a fork: a program, on a PC or on a board, registers it at start.
 //!
-//! It is written as the methods of this crate are, axis by axis: a predictor as a [`PredictAxis`], a force law as an
+//! Write it like the methods of this crate, axis by axis: a predictor as a [`PredictAxis`], a force law as an
 //! [`AxisLaw`]. A test file asks for it by `kind = "own"` (the predictor), `"own-force"` (the law) or a pair such as
-//! `"paper+own"`, and gives it up to eight numbers of its own, `own = [0.8]`. Everything else is as with any method: the
-//! same loop, interlocks, records, the same test on a board, whose steps the PC works out again.
+//! `"paper+own"`, and gives it up to eight parameters, `own = [0.8]`. Everything else is as with any method: the
+//! same loop, interlocks and records, and the same test on a board, whose steps the PC recomputes.
 //!
 //! ```
 //! use outerloop_core::config::{Compensation, Timing};
@@ -45,7 +45,7 @@
 //! assert!(outerloop_core::Design::<1>::new(&config).is_ok());
 //! ```
 //!
-//! A force law is given what was reached, and gives the equation of motion a force and a damping:
+//! A force law sees the reached state and returns a force and a damping for the equation of motion:
 //!
 //! ```
 //! use outerloop_core::own::{OwnMethods, Pod, Zeroable};
@@ -89,8 +89,8 @@
 //!
 //! # Limitations
 //! A method's constants and memory are plain data ([`Pod`]) of at most [`ROOM_BYTES`] an axis. It is called through a pointer:
-//! the call graph of an image that carries one ends there, so whoever writes it sees to it that it does not panic and keeps
-//! to single precision.
+//! the call graph of an image that contains one ends there, so its author must ensure that it does not panic and stays
+//! in single precision.
 
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
@@ -102,24 +102,24 @@ use once_cell::race::OnceRef;
 
 const WORDS: usize = 32;
 
-/// Bytes that the constants of an axis, and its memory, may have.
+/// Largest size of an axis's constants, and of its memory, in bytes.
 pub const ROOM_BYTES: usize = 4 * WORDS;
 
 static REGISTERED: OnceRef<'static, OwnMethods> = OnceRef::new();
 
-/// What is registered.
+/// The registered methods.
 pub(crate) fn registered() -> Option<&'static OwnMethods> {
     REGISTERED.get()
 }
 
-/// The refusal of a method that the program does not bring.
+/// The refusal of a method that the program does not supply.
 pub(crate) const NONE_REGISTERED: Refusal = Refusal {
     name: "compensation.kind",
     value: 255.0,
     accepted: "the methods of the list: this program brings none of its own of that kind",
 };
 
-/// The methods that a program brings: a predictor, a force law, or both.
+/// The methods that a program supplies: a predictor, a force law, or both.
 #[derive(Clone, Copy, Debug)]
 pub struct OwnMethods {
     pub(crate) predictor: Option<PredictorCalls>,
@@ -184,10 +184,10 @@ impl OwnMethods {
         }
     }
 
-    /// The program brings these. To be called before a test is read.
+    /// Registers these methods. Call it before a test is read.
     ///
     /// # Errors
-    /// It has brought others before.
+    /// Others have been registered before.
     pub fn register(&'static self) -> Result<(), AlreadyRegistered> {
         REGISTERED.set(self).map_err(|()| AlreadyRegistered)
     }
@@ -198,7 +198,7 @@ impl OwnMethods {
 pub(crate) struct Room([u32; WORDS]);
 
 impl Room {
-    /// With nothing in it.
+    /// An empty room.
     pub const EMPTY: Self = Self([0; WORDS]);
 
     fn of<T: Pod>(value: T) -> Self {
@@ -231,7 +231,7 @@ impl Room {
     }
 }
 
-/// What a predictor is called by.
+/// The functions through which a predictor is called.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PredictorCalls {
     pub check: fn(&Compensation, &Timing) -> Result<(), Refusal>,
@@ -241,7 +241,7 @@ pub(crate) struct PredictorCalls {
     pub unlearn: fn(&mut Room, &Room),
 }
 
-/// What a force law is called by.
+/// The functions through which a force law is called.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ForceCalls {
     pub check: fn(&Compensation) -> Result<(), Refusal>,

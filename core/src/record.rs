@@ -1,4 +1,4 @@
-//! What a control step leaves behind, in a fixed layout of 32-bit words.
+//! The record of a control step, in a fixed layout of 32-bit words.
 
 use crate::energy::Errors;
 use crate::supervise::mode::Mode;
@@ -16,9 +16,9 @@ pub struct Record<const N: usize> {
     pub flags: u32,
     /// Ground acceleration, m/s^2.
     pub ground_m_per_s2: f32,
-    /// u_c: the target that was in force while the sample was taken, m. Energies and errors are measured on it.
+    /// u_c: the target that was in force while the sample was taken, m. Energies and errors refer to it.
     pub command_m: [f32; N],
-    /// The command that was sent to the actuators for it, m: u_c itself where there is no predictor.
+    /// The command sent to the actuators for it, m: u_c itself if there is no predictor.
     pub sent_m: [f32; N],
     /// u_m as measured, m.
     pub displacement_m: [f32; N],
@@ -28,9 +28,9 @@ pub struct Record<const N: usize> {
     pub estimated_displacement_m: [f32; N],
     /// R_m as estimated, N.
     pub estimated_force_n: [f32; N],
-    /// Velocity v_i of model time, m/s.
+    /// Velocity v_i in model time, m/s.
     pub velocity_m_per_s: [f32; N],
-    /// Acceleration a_i of model time, m/s^2.
+    /// Acceleration a_i in model time, m/s^2.
     pub acceleration_m_per_s2: [f32; N],
     /// C_cor, N s/m.
     pub added_damping_n_s_per_m: [f32; N],
@@ -44,7 +44,7 @@ pub struct Record<const N: usize> {
     pub energy_input_j: f32,
     /// Energy error relative to the energy in the test.
     pub energy_ratio: f32,
-    /// Mean squared innovation of displacement and force; 1 is a model that fits.
+    /// Mean squared innovation of displacement and force; 1 means that the model fits.
     pub innovation: [f32; 2],
 }
 
@@ -90,20 +90,20 @@ pub mod flag {
     pub const STALE: u32 = 1 << 23;
     /// The approach waits for the contact behind PERMIT.
     pub const CHAIN_OPEN: u32 = 1 << 24;
-    /// The watch holds an adaptive compensation at what was declared.
+    /// The watch holds an adaptive compensation at its declared values.
     pub const GUARDED: u32 = 1 << 25;
     /// The watch corrects command or reading.
     pub const ADJUSTED: u32 = 1 << 26;
-    /// The watch was not worked out in time and has ended.
+    /// The watch was not evaluated in time and has ended.
     pub const WATCH_LATE: u32 = 1 << 27;
-    /// No sample came in this step, where it is stale.
+    /// With `STALE`: no sample came in this step.
     pub const MISSED: u32 = 1 << 30;
-    /// Where the two bits of the watch's state begin.
+    /// Position of the lower of the two bits of the watch's state.
     pub const WATCH_STATE_SHIFT: u32 = 28;
 }
 
 impl<const N: usize> Record<N> {
-    /// What the loop was doing.
+    /// The loop's mode.
     pub fn mode(&self) -> Option<Mode> {
         Mode::from_code(self.flags & 0xf)
     }
@@ -180,14 +180,14 @@ impl<const N: usize> Record<N> {
         each(self.innovation[1].to_bits());
     }
 
-    /// Mixes every word into an FNV-1a hash, for comparing whole traces by one number. Start with
+    /// Mixes every word into an FNV-1a hash, to compare whole traces by one number. Start with
     /// [`Record::<N>::HASH_START`](Self::HASH_START).
     pub fn hash(&self, mut hash: u64) -> u64 {
         self.for_each_word(|w| hash = (hash ^ u64::from(w)).wrapping_mul(0x0000_0100_0000_01b3));
         hash
     }
 
-    /// The hash of no record.
+    /// The hash of an empty trace.
     pub const HASH_START: u64 = 0xcbf2_9ce4_8422_2325;
 }
 

@@ -13,7 +13,7 @@ pub struct Refusal {
     pub accepted: &'static str,
 }
 
-/// What is accepted where no single value is wrong.
+/// The accepted values, if no single value is wrong.
 const SOLVABLE: &str = "masses that leave a symmetric positive definite matrix";
 
 impl Refusal {
@@ -54,7 +54,7 @@ impl fmt::Display for Refusal {
 
 impl core::error::Error for Refusal {}
 
-/// Accepts `value` where `ok` holds; a NaN is never accepted.
+/// Accepts `value` if `ok` holds; a NaN is never accepted.
 ///
 /// # Errors
 /// The refusal, with the name and the value.

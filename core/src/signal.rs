@@ -6,11 +6,11 @@
 //! the second the cubic that starts with the displacement and velocity that have been reached and ends with the
 //! target's, so the command and its velocity are continuous at the switch and from interval to interval.
 //!
-//! When a target comes late the command slows down and holds; the test trips after a set time.
+//! If a target is late, the command slows down and holds; the test trips after a set time.
 //!
-//! The core's own integration knows the next target at once ([`SignalGenerator::aim`]). A numerical part outside does not:
-//! the interval begins with [`SignalGenerator::depart`] and the target comes in its course ([`SignalGenerator::arrive`]).
-//! Until then the interval's clock goes no further than the end of the extrapolation.
+//! The core's own integration knows the next target at once ([`SignalGenerator::aim`]). With an external numerical part
+//! the interval begins with [`SignalGenerator::depart`] and the target comes during it ([`SignalGenerator::arrive`]).
+//! Until then the interval's clock stops at the end of the extrapolation.
 
 /// Constants of the generator, in control steps.
 #[derive(Clone, Copy, Debug)]
@@ -19,13 +19,13 @@ pub struct SignalConstants {
     pub substeps: u16,
     /// Control steps of extrapolation before the target is used.
     pub solve_substeps: u16,
-    /// Factor on the velocity in each step of slowing down.
+    /// Factor on the velocity in each step while slowing down.
     pub slow_down: f32,
     /// 1 / substeps.
     pub per_substep: f32,
 }
 
-/// Where an integration step leads, by axis.
+/// The end of an integration step, by axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<const N: usize> {
     /// Displacement at the end of the step, m.
@@ -36,23 +36,23 @@ pub struct Target<const N: usize> {
     pub acceleration_dt2_m: [f32; N],
 }
 
-/// The generator of commands between targets.
+/// Generates the commands between targets.
 #[derive(Clone, Debug)]
 pub struct SignalGenerator<const N: usize> {
     command_m: [f32; N],
     /// Velocity of the command, m per control step.
     velocity_m: [f32; N],
-    /// Where the present piece began.
+    /// Start of the present segment.
     from_m: [f32; N],
     from_velocity_m: [f32; N],
     target: Target<N>,
     /// Acceleration to extrapolate with, m per control step squared.
     acceleration_m: [f32; N],
-    /// Control steps since the interval began; `length` and more: the target has been reached.
+    /// Control steps since the interval began; at `length` or more the target has been reached.
     tick: u16,
     length: u16,
     late: u16,
-    /// The interval has begun and its target is not known yet.
+    /// True if the interval has begun but its target is not known yet.
     awaited: bool,
 }
 
@@ -112,12 +112,12 @@ impl<const N: usize> SignalGenerator<N> {
         })
     }
 
-    /// Goes on from `position_m` at the velocity that it has, e.g. to slow down from what was really sent.
+    /// Continues from `position_m` at the present velocity, e.g. to slow down from the command really sent.
     pub fn start_from(&mut self, position_m: [f32; N]) {
         self.command_m = position_m;
     }
 
-    /// The last target has been reached: the sample belongs to it and the next step can be solved.
+    /// True if the last target has been reached: the sample belongs to it and the next step can be solved.
     #[inline]
     pub fn at_target(&self) -> bool {
         self.tick >= self.length
@@ -133,7 +133,7 @@ impl<const N: usize> SignalGenerator<N> {
     #[inline]
     pub fn aim(&mut self, k: &SignalConstants, target: Target<N>) {
         let per = k.per_substep;
-        // The motion extrapolated is the one known before the solution: the previous target's acceleration.
+        // Extrapolate the motion known before the solution: use the previous target's acceleration.
         self.acceleration_m = self.target.acceleration_dt2_m.map(|a| a * per * per);
         self.from_m = self.command_m;
         self.from_velocity_m = self.velocity_m;
@@ -143,13 +143,13 @@ impl<const N: usize> SignalGenerator<N> {
         self.late = 0;
     }
 
-    /// Begins an interval whose target is not known yet, from the motion that is.
+    /// Begins an interval whose target is not known yet, from the known motion.
     pub fn depart(&mut self, k: &SignalConstants) {
         self.aim(k, self.target);
         self.awaited = true;
     }
 
-    /// The interval has begun and waits for its target.
+    /// True if the interval has begun and waits for its target.
     pub fn awaits_target(&self) -> bool {
         self.awaited
     }
@@ -161,7 +161,7 @@ impl<const N: usize> SignalGenerator<N> {
         self.late = 0;
     }
 
-    /// The next command of the interval; past its end, slows down and holds. True where the target is late.
+    /// The next command of the interval; past its end, slows down and holds. True if the target is late.
     #[inline(always)] // An interval of one control step is the common one: two copies.
     pub fn advance(&mut self, k: &SignalConstants) -> bool {
         if self.at_target() {
@@ -178,8 +178,8 @@ impl<const N: usize> SignalGenerator<N> {
         false
     }
 
-    /// As [`Self::advance`], where the target may still be awaited: it is late once the extrapolation has ended, and the
-    /// interval's clock stands until it comes.
+    /// Like [`Self::advance`], but the target may still be awaited: it is late once the extrapolation has ended, and
+    /// the interval's clock stops until it comes.
     pub fn advance_or_wait(&mut self, k: &SignalConstants) -> bool {
         if self.awaited && self.tick >= k.solve_substeps {
             self.wait(k);
@@ -198,7 +198,7 @@ impl<const N: usize> SignalGenerator<N> {
         }
     }
 
-    /// A command inside of the interval.
+    /// A command within the interval.
     #[inline(never)]
     fn move_inside_interval(&mut self, k: &SignalConstants) {
         if self.tick <= k.solve_substeps {
@@ -217,7 +217,7 @@ impl<const N: usize> SignalGenerator<N> {
         }
     }
 
-    /// Goes to a command given from outside, so that a ramp to hold can begin from its velocity.
+    /// Adopts an externally given command, so that a ramp to hold can begin from its velocity.
     pub fn follow(&mut self, command_m: [f32; N]) {
         for j in 0..N {
             self.velocity_m[j] = command_m[j] - self.command_m[j];
@@ -225,7 +225,7 @@ impl<const N: usize> SignalGenerator<N> {
         self.command_m = command_m;
     }
 
-    /// A step of the ramp to hold: the speed of each axis falls by `by_m` a control step until the command stands.
+    /// A step of the ramp to hold: the speed of each axis falls by `by_m` per control step until the command stops.
     pub fn decelerate(&mut self, by_m: [f32; N]) {
         for j in 0..N {
             let (v, by) = (self.velocity_m[j], by_m[j]);

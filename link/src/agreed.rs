@@ -1,6 +1,6 @@
 //! Numbers that both ends of the link are built with.
 
-/// Version of everything in this crate; a frame of another version is counted and not looked at. A test holds the bytes of
+/// Version of everything in this crate; a frame of another version is counted and ignored. A test holds the bytes of
 /// every frame (`link/tests/golden.txt`): they change only together with this number.
 pub const VERSION: u8 = 23;
 

@@ -1,4 +1,4 @@
-//! Converter codes and what they mean. Codes, volts and SI units do not mix.
+//! Converter codes and their meaning. Codes, volts and SI units do not mix.
 //!
 //! A channel's calibration is a straight line: `quantity = scale * (code - zero)`. The scale's sign is the polarity.
 
@@ -66,7 +66,7 @@ impl ChannelCalibration {
     }
 }
 
-/// The number of the calibrations of a board's actuators: the check sum of their bytes, one behind the other. Of one
+/// The number of the calibrations of a board's actuators: the check sum of their concatenated bytes. For one
 /// actuator it is the calibration's own number.
 pub fn number_of<'a>(calibrations: impl IntoIterator<Item = &'a Calibration>) -> u32 {
     checksum(calibrations.into_iter().flat_map(Calibration::to_bytes))
@@ -109,12 +109,13 @@ impl Calibration {
         Self::over(0.05, 1e4, codes)
     }
 
-    /// What a board goes by that nobody has calibrated: +-50.3 mm and +-10.07 kN, which no transducer has. It cannot be armed with it.
+    /// Stands in on an uncalibrated board: +-50.3 mm and +-10.07 kN, which no transducer has. With it a board cannot be
+    /// armed.
     pub const fn placeholder(codes: &CodeRange) -> Self {
         Self::over(0.0503, 1.007e4, codes)
     }
 
-    /// Somebody has made it: it is not the placeholder, wherever it comes from.
+    /// True if it is a real calibration, not the placeholder, wherever it comes from.
     pub fn is_made(&self, codes: &CodeRange) -> bool {
         *self != Self::placeholder(codes)
     }
@@ -125,7 +126,7 @@ impl Calibration {
     }
 
     /// As bytes, for its number and for a memory that outlives versions of this crate: scale and zero of displacement,
-    /// force and command as little-endian `f32`, then 1 where the command's codes toggle.
+    /// force and command as little-endian `f32`, then 1 if the command's codes toggle.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         let lines = [self.displacement, self.force, self.command];

@@ -1,4 +1,4 @@
-//! What the PC asks of the board.
+//! Requests from the PC to the board.
 
 use crate::agreed::MAX_ACTUATORS;
 use crate::channel::Calibration;

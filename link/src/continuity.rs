@@ -1,4 +1,4 @@
-//! What a receiver has lost, by sequence numbers and control ticks.
+//! Detects a receiver's losses by sequence numbers and control ticks.
 
 /// Follows a sender's frame numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub struct Continuity {
 }
 
 impl Continuity {
-    /// Has seen nothing; the first number is taken as it comes.
+    /// Has seen nothing; accepts any first number.
     pub const fn new() -> Self {
         Self {
             next: None,
@@ -31,7 +31,7 @@ impl Continuity {
     }
 }
 
-/// So many steps are not lost on a link that is still there: minutes of them.
+/// More missing steps than a working link can lose: minutes of them.
 const MOST_MISSING: u32 = 1 << 20;
 
 /// Follows the control ticks of the telemetry: every step, none twice. They begin at 0 with the board.
@@ -52,8 +52,8 @@ impl Ticks {
         }
     }
 
-    /// Takes in the tick of a step; returns how many steps are missing before it, or `None` where it is none that follows: the
-    /// board has started again.
+    /// Takes in the tick of a step; returns how many steps are missing before it, or `None` if the tick does not
+    /// follow: the board has restarted.
     pub fn take(&mut self, tick: u32) -> Option<u32> {
         let missing = self.next.map_or(0, |next| tick.wrapping_sub(next));
         let missing = (missing < MOST_MISSING).then_some(missing);

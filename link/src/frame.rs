@@ -1,7 +1,7 @@
 //! Frames: `COBS( version | kind | sequence number | body | CRC-32 ) 0`, little-endian.
 //!
-//! A zero byte stands only at the end of a frame, so a receiver that comes in late, or has lost bytes, is in step
-//! again at the next one.
+//! A zero byte occurs only at the end of a frame, so a receiver that joins late, or has lost bytes, resynchronises at
+//! the next one.
 //!
 //! ```
 //! use link::{Decoder, Frame, FrameKind};
@@ -9,7 +9,7 @@
 //! let frame = Frame { kind: FrameKind::Telemetry, sequence: 7, body: &[1, 0, 2] };
 //! let wire = frame.encode().expect("short enough");
 //! let mut decoder = Decoder::new();
-//! // Noise, and what is left of a frame that began before anybody listened.
+//! // Noise, and the rest of a frame that began before anybody listened.
 //! for byte in [0x55, 0x13, 0] {
 //!     assert_eq!(decoder.push(byte), None);
 //! }
@@ -55,7 +55,7 @@ pub fn checksum(bytes: impl IntoIterator<Item = u8>) -> u32 {
     digest.finalize()
 }
 
-/// What a frame holds.
+/// The content of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum FrameKind {
@@ -71,12 +71,12 @@ impl FrameKind {
     const ALL: [Self; 3] = [Self::Command, Self::Reply, Self::Telemetry];
 }
 
-/// A frame that has arrived whole.
+/// A complete frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// What the body is.
+    /// The kind of body.
     pub kind: FrameKind,
-    /// The sender's number; of a reply, the number of the command that it answers is in its body.
+    /// The sender's number; a reply carries the number of the command that it answers in its body.
     pub sequence: u16,
     /// The body.
     pub body: &'a [u8],
@@ -87,7 +87,7 @@ pub struct Frame<'a> {
 pub struct TooLong;
 
 impl Frame<'_> {
-    /// As bytes on the wire, the closing zero included.
+    /// The bytes on the wire, including the closing zero.
     ///
     /// # Errors
     /// The body is longer than [`MAX_BODY`].
@@ -136,7 +136,7 @@ impl DecoderCounts {
     }
 }
 
-/// Takes bytes as they come and gives frames. Its memory is one frame, its work for a byte is bounded by one frame.
+/// Turns incoming bytes into frames. Its memory is one frame; its work per byte is bounded by one frame.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     wire: [u8; MAX_WIRE],
@@ -152,7 +152,7 @@ impl Default for Decoder {
     }
 }
 
-/// Why the bytes between two zeros are no frame of this version.
+/// Why the bytes between two zeros are not a frame of this version.
 enum Bad {
     Malformed,
     Corrupt,
@@ -176,7 +176,7 @@ impl Decoder {
         }
     }
 
-    /// Takes a byte in; gives a frame at the byte that closes a good one. Two zeros in a row are no event: a sender may
+    /// Takes a byte; returns a frame at the byte that closes a good one. Two zeros in a row are ignored: a sender may
     /// put a zero before a frame to end whatever came before it.
     pub fn push(&mut self, byte: u8) -> Option<Frame<'_>> {
         if byte != 0 {
@@ -209,7 +209,7 @@ impl Decoder {
         None
     }
 
-    /// What has been seen.
+    /// The counts so far.
     pub const fn seen(&self) -> DecoderCounts {
         self.seen
     }
@@ -220,7 +220,7 @@ impl Decoder {
     }
 }
 
-/// Opens the bytes between two zeros, in place.
+/// Decodes the bytes between two zeros, in place.
 fn open(coded: &mut [u8]) -> Result<Frame<'_>, Bad> {
     let length = cobs::decode_in_place(coded).map_err(|_| Bad::Malformed)?;
     let plain = coded.get(..length).ok_or(Bad::Malformed)?;

@@ -10,9 +10,8 @@
 //!  on the wire    COBS( version | kind | sequence number | body | CRC-32 ) 0
 //! ```
 //!
-//! Every frame carries a sequence number of its sender, so the receiver can say what it has lost ([`Continuity`]). A
-//! command that was not answered is sent again under its old number: the board answers it again and does not carry it
-//! out twice.
+//! Every frame carries a sequence number of its sender, so the receiver knows what it has lost ([`Continuity`]). An
+//! unanswered command is sent again under its old number: the board answers it again but does not execute it twice.
 //!
 //! # Speed
 //! 8N1 at [`BAUD`]: 100 000 bytes a second. Telemetry of every step at 2 kHz takes 52 % of it, and the board refuses a
@@ -22,9 +21,9 @@
 //! |---|---|
 //! | [`frame`] | bytes to frames and back |
 //! | [`message`] | commands and replies to frames and back |
-//! | [`command`], [`reply`], [`status`] | what is asked and answered |
-//! | [`telemetry`] | the record of a step as it travels |
-//! | [`channel`] | converter codes and what they mean in SI units |
+//! | [`command`], [`reply`], [`status`] | requests and answers |
+//! | [`telemetry`] | the record of a step in transit |
+//! | [`channel`] | converter codes and their meaning in SI units |
 //! | [`limits`] | the limits without which no test is armed |
 
 #![no_std]
@@ -53,8 +52,8 @@ pub use reply::Reply;
 pub use status::Status;
 pub use telemetry::{Input, Telemetry};
 
-/// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies, on a board with so many actuators
-/// and further inputs.
+/// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies, on a board with the given
+/// numbers of actuators and further inputs.
 pub const fn fastest_rate_hz(baud: u32, actuators: usize, inputs: usize) -> u32 {
     let bytes_per_s = baud / BITS_PER_BYTE;
     let frame_bytes = telemetry::frame_bytes(actuators, inputs) as u32;

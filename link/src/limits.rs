@@ -1,8 +1,8 @@
-//! The limits without which no test is armed on a board, and what they may be at most.
+//! The limits that a board requires before it arms a test, and their largest permitted values.
 //!
-//! A limit beyond the range of the converters would never act. So each has to lie inside the calibrated range, some
-//! codes from its ends ([`CodeRange::sensor_spare`]). The PC asks the same question before it sends a test, with the
-//! figures of [`CalibratedRange`] in its sentence.
+//! A limit beyond the range of the converters would never act. So each must lie inside the calibrated range, some codes
+//! from its ends ([`CodeRange::sensor_spare`]). The PC makes the same check before it sends a test and reports the
+//! figures of [`CalibratedRange`].
 
 use crate::channel::{Calibration, CodeRange};
 use outerloop_core::{Config, Refusal, accept, config::Limits};
@@ -17,7 +17,7 @@ pub const STALE_S: f64 = 0.25;
 /// The longest time in which a command that waits for its target or sample slows down to a third, s: at 0.3 m/s it goes 3 mm in it.
 pub const SLOW_DOWN_S: f64 = 0.01;
 
-/// The largest change of the command in a control step, as a share of the stroke that is shown. More is no limit.
+/// The largest change of the command in a control step, as a fraction of the measurable stroke. More is no limit.
 pub const STEP_SHARE: f64 = 0.25;
 
 /// Two transducers of one displacement are compared to this share of the calibrated range, end to end, at most: linearity and drift of
@@ -30,8 +30,8 @@ pub const FROZEN_SHARE: f64 = 0.05;
 /// See [`FROZEN_SHARE`].
 pub const FROZEN_DEVIATIONS: f64 = 16.0;
 
-/// Where a test moves by less, `limits.tracking_m` may be this share of the stroke: a signal of some millimetres is further from an
-/// actuator that is late than it is large.
+/// `limits.tracking_m` may be this fraction of the stroke even if a test moves by less: a late actuator can be further
+/// from a signal of some millimetres than the signal is large.
 pub const TRACKING_SHARE: f64 = 0.25;
 
 /// The largest energy error, relative to the energy in the test: 3 is sound, and more than 10 is no limit.
@@ -44,15 +44,16 @@ pub const APPROACH_M_PER_S: f64 = 0.25;
 pub const HOLD_DECELERATION_M_PER_S2: f64 = 50.0;
 
 /// The largest offset of a command or of a displacement that a test may declare beside the calibration, m. A wrong one makes the piston
-/// jump by as much when the contact behind PERMIT closes. What a calibration leaves, `outerloop improve` takes out: it is held to 2 mm, with
-/// the scatter of what it finds.
+/// jump by as much when the contact behind PERMIT closes. `outerloop improve` removes what a calibration leaves: it is
+/// held to 2 mm, including the scatter of what it finds.
 pub const ZERO_OFF_M: f64 = 2.5e-3;
 
-/// The same of a gain, and its inverse: a wrong one makes the piston jump by its share of where it stands.
+/// The largest gain that a test may declare, its inverse the smallest: a wrong one makes the piston jump by that
+/// fraction of its position.
 pub const GAIN: f64 = 1.25;
 
-/// What a calibrated board shows, both ways from zero, with the spare codes left free; of several actuators, what all of
-/// them show.
+/// The range of a calibrated board on both sides of zero, with the spare codes left free; with several actuators, the
+/// range common to all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CalibratedRange {
     /// Largest displacement that both the sensor and the command show, m.
@@ -64,7 +65,7 @@ pub struct CalibratedRange {
 }
 
 impl CalibratedRange {
-    /// By a calibration.
+    /// The range of one calibration.
     pub fn by(calibration: &Calibration, codes: &CodeRange) -> Self {
         let sensor = |line: crate::channel::ChannelCalibration| {
             line.shows(codes.sensor_top, codes.sensor_spare)
@@ -80,7 +81,7 @@ impl CalibratedRange {
         }
     }
 
-    /// What all actuators of a board show: the narrowest range and the coarsest code count.
+    /// The range common to all actuators of a board: the narrowest range and the coarsest code count.
     pub fn by_all<'a>(
         calibrations: impl IntoIterator<Item = &'a Calibration>,
         codes: &CodeRange,
@@ -98,7 +99,7 @@ impl CalibratedRange {
         })
     }
 
-    /// Checks that the test has all limits that arming asks for, and that each can act.
+    /// Checks that the test has all limits required for arming, and that each can act.
     ///
     /// # Errors
     /// The first limit that is left out (its value is NaN then) or cannot act.
@@ -169,7 +170,7 @@ impl CalibratedRange {
         moves_m.max(TRACKING_SHARE * self.displacement_m)
     }
 
-    /// Limits that may be left out have to be able to act where they are there.
+    /// Optional limits must be able to act if they are given.
     fn check_optional(&self, config: &Config) -> Result<(), Refusal> {
         let limits = &config.limits;
         let moves_m = limits.displacement_m.unwrap_or(0.0);
@@ -208,7 +209,7 @@ impl CalibratedRange {
     }
 }
 
-/// The approach goes at a speed at which a person gets away, and a command whose target or sample does not come slows down at once.
+/// The approach is slow enough for a person to get away, and a command without its target or sample slows down at once.
 fn check_speed(config: &Config) -> Result<(), Refusal> {
     let timing = &config.timing;
     accept(
@@ -217,7 +218,7 @@ fn check_speed(config: &Config) -> Result<(), Refusal> {
         timing.approach_m_per_s <= APPROACH_M_PER_S,
         "at most 0.25 m/s",
     )?;
-    // How long a target may be late is the client's to say: a command that has slowed down stands.
+    // The client decides how long a target may be late: a command that has slowed down stands still.
     let slows_down_steps = f64::from(timing.slow_down_steps);
     accept(
         "loop.slow_down_steps",
@@ -233,7 +234,7 @@ fn check_speed(config: &Config) -> Result<(), Refusal> {
     )
 }
 
-/// What a test says of the rig beside the calibration is small: nothing sees a wrong figure before it has moved the piston.
+/// A test's corrections to the calibration must be small: a wrong one is not detected before it has moved the piston.
 fn check_rig(config: &Config) -> Result<(), Refusal> {
     let (rig, limits) = (&config.rig, &config.limits);
     let off_m = ZERO_OFF_M.min(limits.tracking_m.unwrap_or(0.0));

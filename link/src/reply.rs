@@ -1,4 +1,4 @@
-//! What the board answers.
+//! Replies from the board.
 
 use crate::agreed::MAX_ACTUATORS;
 use crate::channel::{Calibration, CodeRange, number_of};

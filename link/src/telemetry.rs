@@ -130,7 +130,7 @@ impl StepReport {
         }
     }
 
-    /// Where the test stands; `None` if the flags hold no mode.
+    /// The mode of the test; `None` if the flags hold no mode.
     pub fn mode(&self) -> Option<Mode> {
         Mode::from_code(self.flags & 0xf)
     }

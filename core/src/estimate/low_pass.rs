@@ -1,4 +1,4 @@
-//! A second-order Butterworth low-pass, there to compare with: it delays both channels by about 0.22 / cut-off.
+//! A second-order Butterworth low-pass, for comparison: it delays both channels by about 0.22 / cut-off.
 
 /// Coefficients, from the bilinear transform.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +25,8 @@ impl Biquad {
 
 /// `tan(pi hz / rate_hz)`, the cut-off of a filter by the bilinear transform, for `hz` from 0 to below half of the rate.
 ///
-/// Lambert's continued fraction: there is no angle here that would have to be brought into a range first, which takes most
-/// of the 12 KiB of a library's tangent in the flash.
+/// Lambert's continued fraction: no angle has to be reduced to a range first, which takes most of the 12 KiB of
+/// flash of a library's tangent.
 pub(crate) fn prewarped(hz: f64, rate_hz: f64) -> f64 {
     /// Enough for the last bit but one or two up to half of the rate.
     const TERMS: u8 = 14;
@@ -46,7 +46,7 @@ pub struct LowPass {
 }
 
 impl LowPass {
-    /// As if `value` had been there for ever.
+    /// Settled, as if the input had always been `value`.
     pub const fn settled(value: f32) -> Self {
         Self {
             x: [value; 2],

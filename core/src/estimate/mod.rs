@@ -1,4 +1,4 @@
-//! From samples to the displacement and restoring force that the loop works with.
+//! Estimates the displacement and restoring force that the loop works with from the samples.
 
 mod actuator_model;
 mod kalman;
@@ -40,22 +40,22 @@ pub struct InnovationMean {
     pub per_axis: f32,
 }
 
-/// What the loop works with.
+/// The values that the loop works with.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate<const N: usize> {
     /// Displacement of the specimen, m.
     pub displacement_m: [f32; N],
     /// Restoring force, N.
     pub force_n: [f32; N],
-    /// Mean squared innovation relative to what the filter expects, displacement and force; 1 is a model that fits,
-    /// 0 where there is no filter.
+    /// Mean squared innovation relative to what the filter expects, displacement and force; 1 means that the model
+    /// fits, 0 that there is no filter.
     pub innovation: [f32; 2],
     /// True if the innovation shows that the model does not fit. A model that fits has a mean of 1; twice that over a
     /// second of samples is no accident.
     pub doubt: bool,
 }
 
-/// The estimator of a loop, with its constants and its memory.
+/// A loop's estimator, with its constants and its state.
 #[derive(Clone, Debug)]
 pub enum Estimator<const N: usize> {
     /// Samples as they are.

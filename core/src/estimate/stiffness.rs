@@ -7,14 +7,14 @@
 //! # Limitations
 //! The secant cannot follow a specimen that yields faster than the noise lets it learn.
 
-/// What is known of a storey before the test.
+/// Prior knowledge of a storey before the test.
 #[derive(Clone, Copy, Debug)]
 pub struct StiffnessPrior {
     /// Declared stiffness, N/m.
     pub stiffness_n_per_m: f32,
-    /// Variance of it relative to that of the force noise, 1/m^2.
+    /// Its variance relative to that of the force noise, 1/m^2.
     pub variance: f32,
-    /// What a control step adds to the variance.
+    /// Variance added per control step.
     pub walk: f32,
     /// 1 / force noise, 1/N.
     pub per_noise: f32,
@@ -28,7 +28,7 @@ pub struct StiffnessFilter {
 }
 
 impl StiffnessFilter {
-    /// At the declared stiffness.
+    /// Starts at the declared stiffness.
     pub const fn new(prior: &StiffnessPrior) -> Self {
         Self {
             stiffness_n_per_m: prior.stiffness_n_per_m,

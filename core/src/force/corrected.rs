@@ -7,7 +7,7 @@ use crate::context::Context;
 use crate::energy::Observation;
 use crate::refusal::Refusal;
 
-/// A corrected force and the damping that it amounts to.
+/// A corrected force and its equivalent damping.
 #[derive(Clone, Debug)]
 pub(crate) struct Corrected<C, const N: usize> {
     force: C,
@@ -32,7 +32,7 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
         }
     }
 
-    /// Hands on a copy, so that what other laws look at can stay in registers.
+    /// Passes a copy on, so that the inputs of other laws can stay in registers.
     #[inline(always)]
     fn act(
         &mut self,
@@ -45,7 +45,7 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
 }
 
 impl<C: Correct<N>, const N: usize> Corrected<C, N> {
-    // A function of its own: what only some laws do is not spread over the step of all.
+    // Not inlined, so that code of some laws does not burden the step of all.
     #[inline(never)]
     fn correct(
         &mut self,

@@ -1,4 +1,4 @@
-//! The paper's variable damping: what takes the energy error of the actuator out again.
+//! The paper's variable damping, which removes the actuator's energy error again.
 //!
 //! A viscous damping that dissipates, in each step, what the actuator's error put in. Eq 14:
 //! `C_cor = -2 E / ((v_{i-1} + v^_i)(u_i - u_{i-1}))`. Since `v_{i-1} + v^_i = 2 (u_i - u_{i-1}) / dt` exactly for
@@ -9,8 +9,8 @@
 //!
 //! # When not to use it
 //! With more than one actuator the damping is diagonal, each axis from its own energy error. The total energy is
-//! right; the form is ill-conditioned where one floor stands still while others move, which is what the hold rule and
-//! the clamp are for: the tangent force is better there. Its own error is a stiffness `omega^2 tau^2` too high: 1 % of
+//! right, but the form is ill-conditioned if one floor stands still while others move. The hold rule and the clamp
+//! limit that; the tangent force is better there. Its own error is a stiffness `omega^2 tau^2` too high: 1 % of
 //! the response to some 4 ms at half a second of period, useless beyond `omega tau` of .2.
 
 use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
@@ -22,7 +22,7 @@ use crate::refusal::{Refusal, accept, between};
 use crate::structure::actuated;
 use core::marker::PhantomData;
 
-/// Which equation, and what guards it.
+/// The equation used, and its guards.
 pub(crate) trait Form: Clone + core::fmt::Debug {
     /// Hold at small increments, clamp, effective mass.
     const GUARDED: bool;
@@ -70,9 +70,9 @@ pub(crate) struct Constants<const N: usize> {
     largest: [f32; N],
     /// Smallest C_cor, N s/m, by axis: the clamp below, or what the effective-mass guard still allows.
     smallest: [f32; N],
-    /// Share of the running peak of the increment below which the last value is held.
+    /// Fraction of the running peak increment below which the last value is held.
     hold_share: f32,
-    /// What the running peak keeps from one integration step to the next.
+    /// Decay factor of the running peak per integration step.
     peak_memory: f32,
     /// Number of axes in the laboratory.
     physical: usize,
@@ -85,7 +85,7 @@ fn clamps(c: &Compensation, physical: usize) -> [f64; 2] {
     [c.clamp_below.unwrap_or(below), c.clamp]
 }
 
-/// The variable damping and its memory.
+/// The variable damping and its state.
 #[derive(Clone, Debug)]
 pub(crate) struct VariableDamping<const N: usize, F> {
     last: [f32; N],

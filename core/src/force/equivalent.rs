@@ -1,4 +1,4 @@
-//! A force correction as the damping that it amounts to, for the paper's plot and the check for locked structures.
+//! The equivalent damping of a force correction, for the paper's plot and the check for locked structures.
 
 use super::interface::Correction;
 use crate::context::Context;
@@ -11,16 +11,16 @@ use crate::structure::actuated;
 pub(crate) struct Constants {
     /// Integration step, s of model time.
     pub dt_s: f32,
-    /// Share of the running peak of the increment below which the last value stays.
+    /// Fraction of the running peak increment below which the last value is held.
     pub hold_share: f32,
-    /// What the running peak keeps from one integration step to the next.
+    /// Decay factor of the running peak per integration step.
     pub peak_memory: f32,
     /// Number of axes in the laboratory.
     pub physical: usize,
 }
 
 impl Constants {
-    /// For a test.
+    /// The constants for a test.
     pub fn design<const N: usize>(context: &Context<'_, N>) -> Self {
         Self {
             dt_s: context.model_step_s as f32,
@@ -43,7 +43,7 @@ impl<const N: usize> EquivalentDamping<N> {
         Self { peak_m: [0.0; N] }
     }
 
-    /// What the corrected force amounts to, in the place of what was shown last.
+    /// The equivalent damping of the corrected force; replaces the last reported value.
     #[inline]
     pub fn of(
         &mut self,

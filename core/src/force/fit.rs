@@ -23,21 +23,21 @@ use crate::structure::actuated;
 /// Points of a fit.
 const POINTS: usize = 8;
 
-/// How far from now the target may have been or be reached, integration steps.
+/// Longest time between now and the reaching of the target, before or after, integration steps.
 const REACH: f32 = 4.0;
 
 /// Constants of the correction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
-    /// Share of the running peak of the velocity below which nothing is corrected.
+    /// Fraction of the running peak velocity below which nothing is corrected.
     pub hold_share: f32,
-    /// What the running peak keeps from one integration step to the next.
+    /// Decay factor of the running peak per integration step.
     pub peak_memory: f32,
     /// Number of axes in the laboratory.
     pub physical: usize,
 }
 
-/// How a fitted quadratic goes on from the newest point: `slope h + bend h^2` in `h` steps.
+/// A fitted quadratic relative to its newest point: `slope h + bend h^2` in `h` steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FittedQuadratic {
     slope: f32,
@@ -61,7 +61,7 @@ impl FittedQuadratic {
         }
     }
 
-    /// What it gains in `h` steps.
+    /// Its change in `h` steps.
     #[inline]
     fn gain(&self, h: f32) -> f32 {
         h * (self.slope + self.bend * h)

@@ -1,5 +1,4 @@
-//! What a force law sees, and what it must have: [`ForceLaw`], or [`Correct`] where it puts another force in place of the
-//! measured one.
+//! A force law's inputs and traits: [`ForceLaw`], or [`Correct`] for a law that replaces the measured force.
 
 use crate::config::Compensation;
 use crate::context::{ActuatorContext, Context};
@@ -9,13 +8,13 @@ use crate::refusal::Refusal;
 /// What the law did in one integration step, for the record.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Correction<const N: usize> {
-    /// Diagonal of C_cor, N s/m; of a corrected force, the damping that it amounts to.
+    /// Diagonal of C_cor, N s/m; for a corrected force, the equivalent damping.
     pub damping: [f32; N],
-    /// G_v of Eq 19; 0 where the law has no gain.
+    /// G_v of Eq 19; 0 if the law has no gain.
     pub gain: [f32; N],
-    /// Some axis kept its last value.
+    /// True if some axis kept its last value.
     pub held: bool,
-    /// Some axis was at its clamp.
+    /// True if some axis was at its clamp.
     pub clamped: bool,
 }
 
@@ -42,7 +41,7 @@ pub(crate) struct LawInput<'a, const N: usize> {
     pub predictor_velocity_dt_m: [f32; N],
 }
 
-/// What the law gives to the equation of motion.
+/// The law's output to the equation of motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LawOutput<const N: usize> {
     /// Restoring force, N.
@@ -70,8 +69,8 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
-    /// One integration step. `shown` is what the law did in the last one, for the record; of axes without an actuator it
-    /// stays as it is.
+    /// One integration step. `shown` is the law's action in the last one, for the record; axes without an actuator
+    /// stay unchanged.
     fn act(
         &mut self,
         k: &Self::Constants,
@@ -86,15 +85,15 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
 pub struct AxisStep {
     /// Target that has been reached, u_c, m.
     pub command_m: f32,
-    /// By how much it has moved since the last step, m.
+    /// Change of the target since the last step, m.
     pub increment_m: f32,
     /// Estimated displacement of the specimen, u_m, m.
     pub displacement_m: f32,
     /// Estimated restoring force, R_m, N.
     pub force_n: f32,
-    /// Eq 12 over the window, J: negative where the actuator has put energy in.
+    /// Eq 12 over the window, J: negative if the actuator has put energy in.
     pub energy_j: f32,
-    /// By how much the target has moved over the window, m.
+    /// Change of the target over the window, m.
     pub window_m: f32,
     /// dt v_{i-1}, m.
     pub velocity_dt_m: f32,
@@ -102,7 +101,7 @@ pub struct AxisStep {
     pub predictor_velocity_dt_m: f32,
 }
 
-/// What it gives to the equation of motion.
+/// An [`AxisLaw`]'s output to the equation of motion.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisOutput {
     /// Restoring force, N.
@@ -111,7 +110,7 @@ pub struct AxisOutput {
     pub damping_n_s_per_m: f32,
 }
 
-/// A force law that works axis by axis; [`own`](crate::own) says how a program brings one.
+/// A force law that works axis by axis; [`own`](crate::own) shows how a program supplies one.
 pub trait AxisLaw: Sized {
     /// Constants of an axis, worked out once.
     type Constants: Clone + core::fmt::Debug;
@@ -134,7 +133,7 @@ pub trait AxisLaw: Sized {
     fn act(&mut self, k: &Self::Constants, reached: &AxisStep) -> AxisOutput;
 }
 
-/// A law that puts the force at the target in place of the measured one.
+/// A law that replaces the measured force by the force at the target.
 pub(crate) trait Correct<const N: usize>: Sized {
     /// Constants, worked out once.
     type Constants: Clone + core::fmt::Debug;

@@ -2,13 +2,13 @@
 //!
 //! # When not to use it
 //! A late actuator then puts energy into the structure: behind a delay `tau` the damping ratio falls by
-//! `omega tau / 2`, and a test whose structure has less runs away. It is what the others are compared with, and what
-//! stands behind a predictor alone.
+//! `omega tau / 2`, and a test whose structure has less runs away. It is the reference for the others, and the law
+//! used with a predictor alone.
 
 use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
 use crate::context::Context;
 
-/// Without memory.
+/// Stateless.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured;
 

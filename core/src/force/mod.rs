@@ -1,7 +1,7 @@
-//! Force laws: what acts in the equation of motion so that the actuator's error puts no energy into the structure.
+//! Force laws: act in the equation of motion so that the actuator's error puts no energy into the structure.
 //!
-//! A law sees, once an integration step, what was measured where the target was reached, and says with which restoring
-//! force and which added damping the equation of motion is solved.
+//! Once per integration step a law sees the measurements at the reached target and returns the restoring force and
+//! added damping with which the equation of motion is solved.
 //!
 //! | file | law | source |
 //! |---|---|---|
@@ -37,7 +37,7 @@ macro_rules! laws {
     ) => {
         $($(#[cfg(feature = $feature)])? $(pub(crate) mod $file;)?)*
 
-        /// The force law of a loop, with its constants and its memory.
+        /// A loop's force law, with its constants and its state.
         #[derive(Clone, Debug)]
         #[allow(clippy::large_enum_variant)] // There is no heap.
         pub(crate) enum Law<const N: usize> {
@@ -54,7 +54,7 @@ macro_rules! laws {
                 Ok(())
             }
 
-            /// For a test, at rest at zero.
+            /// The law for a test, at rest at zero.
             ///
             /// # Errors
             /// This build does not have the law.

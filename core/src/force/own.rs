@@ -1,4 +1,4 @@
-//! The force law that a program brings itself, on every axis with an actuator.
+//! A force law supplied by the program, on every axis with an actuator.
 
 use super::interface::{AxisOutput, AxisStep, Correction, ForceLaw, LawInput, LawOutput};
 use crate::config::Compensation;
@@ -8,14 +8,14 @@ use crate::own::{ForceCalls, NONE_REGISTERED, Room, registered};
 use crate::refusal::Refusal;
 use crate::structure::actuated;
 
-/// The memory of each axis.
+/// The state of each axis.
 #[derive(Clone, Debug)]
 pub(crate) struct OwnForce<const N: usize>([Room; N]);
 
 /// Constants of each axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Constants<const N: usize> {
-    /// `None` where the check has refused the test.
+    /// `None` if the check has refused the test.
     calls: Option<&'static ForceCalls>,
     axes: [Room; N],
     physical: usize,

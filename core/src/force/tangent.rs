@@ -1,4 +1,4 @@
-//! Tangent force: corrects the restoring force for the way that the specimen has not gone yet.
+//! Tangent force: corrects the restoring force for the travel that the specimen still lacks.
 //!
 //! Eq 14 is a force correction in disguise (see [`super::damping`]): `C_cor du/dt = -E/du`, the error `u_m - u_c` times
 //! the specimen's secant. Here that is written down directly, `R = R_m + K_t (u_c - u_m)`, storey by storey, with `K_t`
@@ -14,8 +14,8 @@
 //!
 //! # When not to use it
 //! Where the force does not depend on displacement (a viscous damper: use a predictor), or where the declared `K_0`
-//! is not known to some tens of per cent. The yielding of a specimen that is still ahead cannot be known: with 60 ms
-//! and no predictor in front it costs 9 %, behind one 1 %.
+//! is not known to some tens of per cent. Yielding that is still ahead cannot be known: with 60 ms of delay it costs
+//! 9 % without a predictor in front, and 1 % with one.
 
 use super::interface::Correct;
 use crate::config::Compensation;
@@ -30,13 +30,13 @@ use crate::structure::{actuated, storey_stiffness};
 pub(crate) struct Constants<const N: usize> {
     /// Initial stiffness of each storey of the specimen, N/m.
     pub initial_n_per_m: [f32; N],
-    /// Shortest way over which a secant is formed, m.
+    /// Shortest travel over which a secant is formed, m.
     pub least_motion_m: f32,
-    /// The same as a share of the running peak of the drift.
+    /// The same as a fraction of the running peak drift.
     pub share: f32,
-    /// What the running peak keeps from one integration step to the next.
+    /// Decay factor of the running peak per integration step.
     pub peak_memory: f32,
-    /// What the low-pass takes of a new value; 1 is no low-pass.
+    /// Weight of a new value in the low-pass; 1 means no low-pass.
     pub smoothing: f32,
     /// Number of storeys in the laboratory.
     pub physical: usize,
@@ -125,7 +125,7 @@ impl<const N: usize> Correct<N> for TangentForce<N> {
         }
     }
 
-    /// By floor, from what was measured on the way to the target.
+    /// Forces by floor, from the measurements on the way to the target.
     #[inline]
     fn at_target(&mut self, k: &Constants<N>, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;

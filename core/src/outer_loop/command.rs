@@ -1,4 +1,4 @@
-//! From target to command: what is sent ahead, what stands against it, and what is sent.
+//! From target to command: prediction, interlocks, and sending.
 
 use super::{OuterLoop, Pace, Sample};
 use crate::float::unlikely;
@@ -9,8 +9,8 @@ use crate::rig::{Asked, Rig};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
-    /// What is sent for the target `next_m`: the predictor's answer while the test runs, else the target itself. The
-    /// predictor sees every step, so that its memory is of what really happened.
+    /// The command for the target `next_m`: the predictor's output while the test runs, else the target itself. The
+    /// predictor sees every step, so that its memory reflects what really happened.
     #[inline]
     pub(super) fn predict(
         &mut self,
@@ -35,7 +35,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             target_m: self.target_m[j] + self.lead_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
-            // Where only a share of the prediction is sent, what is missing is no delay.
+            // If only part of the prediction is sent, the shortfall is not a delay to learn from.
             learn: live
                 && usable
                 && self.mode != Mode::Resuming
@@ -48,7 +48,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         });
         let mut send_m = next_m;
         if k.lead_steps != 0.0 || adjusted {
-            // Numerical degrees of freedom are sent where they are wanted.
+            // Numerical degrees of freedom go exactly to their targets.
             for j in 0..N {
                 let motion = ahead[j].led_by(k.lead_steps);
                 let follows = &mut self.lead_acceleration_m[j];
@@ -77,7 +77,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         send_m
     }
 
-    /// What is sent so that the structure goes to `aim_m`.
+    /// The commands that bring the structure to `aim_m`.
     #[inline]
     pub(super) fn commands(&mut self, aim_m: &[f32; N], ground: &GroundMotion<'_>) -> [f32; N] {
         let asked = Asked {
@@ -97,8 +97,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         commands_m
     }
 
-    /// The ramp to a standstill begins at what was sent and not at the target behind it; stop and go sends the target. Its speed is
-    /// the target's: from one command to the next a predictor hands on the noise of the force.
+    /// The ramp to a standstill begins at the last command, not at the target behind it; stop and go sends the target.
+    /// Its speed is the target's, since differences of predicted commands contain the noise of the force.
     pub(super) fn stop_at_command(&mut self) {
         let ahead = self.design.predicts && self.pace != Some(Pace::StopAndGo);
         if ahead && self.mode.integrates() {
@@ -107,7 +107,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// Strokes of the actuators with the structure at `at_m`, which are that itself where the coordinates are the same.
+    /// Actuator strokes with the structure at `at_m`; equal to `at_m` if the coordinates are the same.
     #[inline]
     pub(super) fn strokes_m<'a>(
         &self,
@@ -121,7 +121,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         place
     }
 
-    /// What the interlocks on the actuators look at before `next_m` is sent.
+    /// The values that the actuator interlocks check before `next_m` is sent.
     #[inline]
     fn checked<'a>(
         &'a self,
@@ -164,14 +164,14 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let mut place = [0.0; N];
         let aimed_m = self.strokes_m(&self.aimed_m, &mut place);
         let checked = self.checked(sample, displacement_m, aimed_m, next_m, stale_steps);
-        // The first alone compiles to fewer instructions than with an `and` that is always true.
+        // This check alone compiles to fewer instructions than one with an `and` that is always true.
         if R::SAME_COORDINATES {
             return within(&self.design.limits, &checked);
         }
         within(&self.design.limits, &checked) && self.rig.within(&self.aimed_m, aim_m)
     }
 
-    /// Sends the command, unless it is not finite on an axis behind the first `certain`.
+    /// Sends the command, unless it is not finite on an axis after the first `certain`.
     #[inline]
     pub(super) fn send(
         &mut self,
@@ -180,7 +180,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         aim_m: [f32; N],
         send_m: [f32; N],
     ) -> [f32; N] {
-        // With the interlocks' consent what is sent to an actuator is finite; the numerical storeys are left.
+        // The interlocks have ensured finite actuator commands; only the numerical storeys remain to be checked.
         if (certain..N).all(|j| send_m[j].is_finite()) {
             self.target_m = target_m;
             self.aimed_m = aim_m;
@@ -206,7 +206,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             first_fault(&self.design.limits, &checked),
             self.rig.first_fault(&self.aimed_m, &aim_m),
         );
-        // A fault that the board reports comes first; only a NaN comes before it, and an emergency before one that is none.
+        // A fault reported by the board comes first, except over a NaN or, if no emergency itself, over an emergency.
         let finding = match sample.fault {
             None => found,
             Some(fault) => {
@@ -224,7 +224,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         else {
             return self.send(0, target_m, aim_m, send_m);
         };
-        // The first fault is the reason, also of what happens on the ramp.
+        // The first fault stays the recorded reason, even if others follow on the ramp.
         self.trip.get_or_insert(Trip {
             fault: found.fault,
             axis: found.axis,
@@ -240,8 +240,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.sent_m
     }
 
-    /// The mode after a fault that asks for `after`: a ramp to a standstill begins at what was sent, and one that would take too
-    /// long is none.
+    /// The mode after a fault that asks for `after`: a ramp to a standstill begins at the last command; one that would
+    /// take too long is not used.
     #[cold]
     #[inline(never)]
     pub(super) fn stopping(&mut self, after: Mode) -> Mode {

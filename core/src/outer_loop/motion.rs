@@ -1,4 +1,4 @@
-//! The next target where no test of its own runs.
+//! The next target while the loop runs no test of its own.
 
 use super::OuterLoop;
 use crate::float::{larger, smaller};
@@ -7,11 +7,11 @@ use crate::rig::Rig;
 use crate::signal::SignalGenerator;
 use crate::supervise::Mode;
 
-/// Where a ramp stands at the latest, as a share of the limit on displacement.
+/// Displacement by which a ramp must have stopped, as a fraction of the displacement limit.
 const BEFORE_LIMIT: f32 = 0.98;
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
-    /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
+    /// The next target in every mode except a test of the loop's own, which the step itself handles.
     #[cold] // The step of a test of its own, the longest, then runs straight on.
     #[inline(never)]
     pub(super) fn command_without_integration(
@@ -24,9 +24,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             Mode::Approaching if chain_open => {
                 self.flags |= flag::CHAIN_OPEN;
                 match self.idle_mean_m {
-                    // What is permitted and cannot move yet is followed, as while idle.
+                    // Permitted but unable to move yet: follow it, as while idle.
                     Some(_) => self.follow(displacement_m),
-                    // A contact that bounces on the way.
+                    // The contact bounces during the approach.
                     None => self.target_m,
                 }
             }
@@ -41,26 +41,26 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// Idle: the target follows the true position, and the command is what holds the actuator there, so that arming
-    /// moves nothing whatever is known of offsets and gains.
+    /// Idle: the target follows the true position and the command holds the actuator there, so that arming moves
+    /// nothing, however well offsets and gains are known.
     fn follow(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
         let idle_share = self.design.idle_share;
         let mut idle_mean_m = self.idle_mean_m.unwrap_or(*displacement_m);
         for (mean, &new) in idle_mean_m.iter_mut().zip(displacement_m) {
-            // A mean, so that noise is not a bump.
+            // A running mean, so that noise causes no jump.
             let moved = *mean + (new - *mean) * idle_share;
             *mean = if moved.is_finite() { moved } else { 0.0 };
         }
-        // What never came says nothing of where the actuator stands: nothing is armed on it.
+        // Without a fresh sample the actuator's position is unknown, and arming is not possible.
         if self.idle_mean_m.is_some() || self.flags & flag::STALE == 0 {
             self.idle_mean_m = Some(idle_mean_m);
         }
         idle_mean_m
     }
 
-    /// A step of the slow way to the start position.
+    /// A step of the slow approach to the start position.
     fn approach_start(&mut self) -> [f32; N] {
-        // Where it stood when it was armed is left.
+        // It leaves the position at which it was armed.
         self.idle_mean_m = None;
         let next_m = self.approach([0.0; N]);
         if next_m == [0.0; N] {
@@ -82,11 +82,11 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         })
     }
 
-    /// After a hold: a step of the slow way back to the target at which the test stands.
+    /// After a hold: a step of the slow return to the target at which the test paused.
     fn return_to_target(&mut self) -> [f32; N] {
         let target_m = self.newmark.displacement_m();
         let next_m = self.approach(target_m);
-        // A hold on the way begins where the command is.
+        // A hold on the way begins at the present command.
         self.signal.follow(next_m);
         if self.target_m == target_m {
             self.signal = SignalGenerator::standing_at(target_m);
@@ -100,7 +100,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         next_m
     }
 
-    /// A commissioning signal in place of the test: the command follows it.
+    /// A commissioning signal replaces the test: the command follows it.
     fn follow_commissioning_signal(&mut self) -> [f32; N] {
         self.signal.follow(self.commissioning_m);
         self.commissioning_m
@@ -114,7 +114,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.mode = Mode::Finished;
     }
 
-    /// A step of the ramp after a fault that is no emergency; at its end PERMIT falls.
+    /// A step of the ramp after a non-emergency fault; PERMIT is withdrawn at its end.
     fn stop_on_fault(&mut self) -> [f32; N] {
         let next_m = self.slow_down();
         if *self.signal.velocity_m() == [0.0; N] {
@@ -123,16 +123,16 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         next_m
     }
 
-    /// False where the ramp would take so long that it is no way to end a test: a command that runs away, or one that is no
-    /// number, stops at once.
+    /// False if the ramp would take too long to be a way of ending a test: a command that runs away or is NaN is
+    /// stopped at once.
     pub(super) fn stops_soon(&self) -> bool {
         let longest_m = self.design.deceleration_step_m * self.design.longest_ramp_steps;
         let velocity_m = self.signal.velocity_m();
         (0..N).all(|j| velocity_m[j].abs() <= longest_m * self.rig.per_metre(j))
     }
 
-    /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration, or at the larger one at which
-    /// every actuator stands before its limit on displacement.
+    /// A step of the ramp to hold: the command's velocity goes to zero at the set deceleration, or at a larger one
+    /// where that is needed to stop every actuator before its displacement limit.
     fn slow_down(&mut self) -> [f32; N] {
         let (at_m, velocity_m) = (*self.signal.command_m(), *self.signal.velocity_m());
         let share = self.least_share(&at_m, &velocity_m);
@@ -144,8 +144,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         *self.signal.command_m()
     }
 
-    /// The share of its velocity that the motion has to lose in this step: v / 2s, with s what is left before the limit of the
-    /// worst actuator.
+    /// The fraction of its velocity that the motion must lose in this step: v / 2s, with s the distance left to the
+    /// limit of the worst actuator.
     fn least_share(&self, at_m: &[f32; N], velocity_m: &[f32; N]) -> f32 {
         let next_m = core::array::from_fn(|j| at_m[j] + velocity_m[j]);
         let mut places = [[0.0; N]; 2];

@@ -1,4 +1,4 @@
-//! What the operator does with a loop, between steps.
+//! What the operator can do with a loop between steps.
 
 use super::{
     Correction, Design, EnergyErrors, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
@@ -23,7 +23,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.trip
     }
 
-    /// The rig as the loop has it.
+    /// The loop's rig.
     pub fn rig(&self) -> &R {
         &self.rig
     }
@@ -36,9 +36,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Takes an event from the operator or the link.
     ///
     /// # Errors
-    /// The event means nothing in this mode, or an interlock stands against arming; nothing has changed then.
+    /// The event is invalid in this mode, or an interlock prevents arming; nothing has changed then.
     pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
-        // Where nothing has been sampled yet, nobody knows where the actuator stands.
+        // Before the first sample the actuator's position is unknown.
         let unseen = self.idle_mean_m.is_none().then_some(Fault::StaleSample);
         let rejected = Rejected {
             mode: self.mode,
@@ -49,7 +49,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         match next {
             Mode::Approaching if rejected.obstacle.is_some() => return Err(rejected),
             Mode::Approaching => {
-                // The mean of where the rig stands goes on: what is followed until the chain has closed.
+                // Keep the mean of the rig's position: it is followed until the chain has closed.
                 let idle_mean_m = self.idle_mean_m;
                 self.reset();
                 self.idle_mean_m = idle_mean_m;
@@ -71,8 +71,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         Ok(next)
     }
 
-    /// Gives the command of the next step in place of the integration, a commissioning signal, or (`None`) goes back to
-    /// the test. All interlocks are in force. Without effect where no test runs.
+    /// Sets the command of the next step in place of the integration (a commissioning signal), or returns to the test
+    /// (`None`). All interlocks stay active. No effect while no test runs.
     pub fn set_commissioning_command(&mut self, commissioning_m: Option<[f32; N]>) {
         match commissioning_m {
             Some(commissioning_m) if self.mode.integrates() || self.mode == Mode::Commissioning => {
@@ -83,7 +83,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// What stands against arming: a fault that was there in the last [`OBSTACLE_STEPS`], and how many steps ago.
+    /// The obstacle to arming: a fault seen in the last [`OBSTACLE_STEPS`], and how many steps ago.
     pub fn obstacle(&self) -> Option<(Fault, u32)> {
         let since = self.tick.wrapping_sub(self.obstacle_tick);
         let obstacle = self.obstacle.filter(|_| since <= OBSTACLE_STEPS);
@@ -95,8 +95,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.post.last_test()
     }
 
-    /// This loop takes the place of another. What stood against arming that one, and how many steps ago, stands against arming this
-    /// one, and nothing else does; tests are counted on from its last.
+    /// This loop replaces another. It inherits that loop's obstacle to arming, with its age in steps, and no other; its
+    /// test count continues from the other's last.
     pub fn take_over(&mut self, obstacle: Option<(Fault, u32)>, last_test: u8) {
         self.post.count_on_from(last_test);
         let (fault, since) = obstacle.unzip();
@@ -107,7 +107,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Exchanges the whole design while idle.
     ///
     /// # Errors
-    /// The loop is not idle; it goes on as it was.
+    /// The loop is not idle; it continues unchanged.
     pub fn configure(&mut self, design: Design<N, R>) -> Result<(), Rejected> {
         if self.mode != Mode::Idle {
             return Err(Rejected {
@@ -123,7 +123,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         Ok(())
     }
 
-    /// Back to where [`OuterLoop::new`] left the loop, steps counted from 0 and the command at 0: what has run was a
+    /// Back to the state after [`OuterLoop::new`], with the step count and the command at 0: what has run was a
     /// rehearsal.
     pub fn restart(&mut self) {
         (self.tick, self.sent_m, self.aimed_m) = (0, [0.0; N], [0.0; N]);
@@ -131,16 +131,16 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.reset();
     }
 
-    /// Everything back to the start, standing at the present command. Part by part: a loop that is built anew stands on the
-    /// stack before it is moved here, and a board resets its loop in the control interrupt.
+    /// Resets everything, at rest at the present command. Field by field: a newly built loop would first lie on the
+    /// stack, and a board resets its loop in the control interrupt.
     fn reset(&mut self) {
         let Self {
-            // What stays.
+            // Kept.
             design,
             tick: _,
             sent_m: _,
             aimed_m,
-            // What goes back.
+            // Reset.
             mode,
             step,
             flags,

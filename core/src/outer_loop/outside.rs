@@ -1,9 +1,8 @@
-//! Targets from a numerical part outside, for example a finite-element program.
+//! Targets from an external numerical part, for example a finite-element program.
 //!
-//! Another program integrates; everything else is as in a test that core integrates: energy errors, compensation,
-//! interlocks, signal generation. A target is answered with a force ([`OuterLoop::answer_n`]); the sum of the
-//! specimen's force and that of the added damping, so that the compensation acts in an integration that knows nothing
-//! of it.
+//! Another program integrates; energy errors, compensation, interlocks and signal generation are as in a test that
+//! core integrates. The answer to a target is a force ([`OuterLoop::answer_n`]), the sum of the specimen's force and
+//! that of the added damping, so that the compensation acts in an integration that is unaware of it.
 
 use super::{OuterLoop, Pace};
 use crate::energy::Observation;
@@ -11,24 +10,24 @@ use crate::record::flag;
 use crate::rig::Rig;
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
-    /// Takes the targets of the next test from outside, or from its own integration (`None`).
+    /// The next test takes external targets, or those of its own integration (`None`).
     pub fn set_pace(&mut self, pace: Option<Pace>) {
         self.pace = pace;
         self.next_target_m = None;
     }
 
-    /// The next target from outside, m. It replaces a target towards which the motion has not begun.
+    /// The next external target, m. It replaces a target towards which the motion has not begun.
     pub fn set_next_target(&mut self, target_m: [f32; N]) {
         self.next_target_m = Some(target_m);
     }
 
-    /// The force that the last target is answered with, N: it belongs to the target at which the latest record with
+    /// The force returned for the last target, N: it belongs to the target at which the latest record with
     /// [`flag::SOLVED`] was taken.
     pub fn answer_n(&self) -> &[f32; N] {
         &self.answer_n
     }
 
-    /// A target from outside has been reached, with a sample that counts.
+    /// True if an external target has been reached, with a sample that counts.
     #[cold] // As `command_without_integration`.
     #[inline(never)]
     pub(super) fn outside_target_reached(&self, usable: bool) -> bool {
@@ -40,13 +39,13 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             }
     }
 
-    /// Stop and go: a target is waiting, and the rig stands at the last one. Its force counts when the next leads away
-    /// from it; the rig has stood until then.
+    /// Stop and go: a target is waiting, and the rig stands at the last one. Its force is taken when the
+    /// motion to the next begins; the rig stands until then.
     fn leaves_target(&self) -> bool {
         self.next_target_m.is_some() && self.target_m == self.newmark.displacement_m()
     }
 
-    /// A step of a running test whose targets come from outside, after what was reached has been answered.
+    /// A step of a running test with external targets, after a reached target has been answered.
     pub(super) fn go_to_next_target(&mut self) -> [f32; N] {
         match self.pace {
             Some(Pace::StopAndGo) => self.stop_and_go(),
@@ -82,7 +81,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         *self.signal.command_m()
     }
 
-    /// Answers with the force at the target that was reached and what the added damping has there; gives the latter, N.
+    /// Answers with the force at the reached target plus that of the added damping there; returns the latter, N.
     #[cold] // As `command_without_integration`.
     #[inline(never)]
     pub(super) fn answer(

@@ -4,8 +4,8 @@
 //!  sample ─► correct ─► estimate ─► energy ─► force law ─► integrate ─► generate ─► predict ─► interlock ─► record, command
 //! ```
 //!
-//! Two shapes in here are for the processor: what a test that is integrated here does not need is a call away, and what is
-//! handed there is a copy, so that the original can stay in registers.
+//! Two choices here serve the processor: code that a test integrated here does not need is behind a call, and its
+//! arguments are copies, so that the originals can stay in registers.
 
 use super::{OuterLoop, Sample, Step};
 use crate::energy::Observation;
@@ -22,8 +22,7 @@ use crate::supervise::{Mode, Staleness};
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// One control step: sample in, command and record out.
     ///
-    /// A function of its own: inlined into a main loop it would share that loop's registers, which costs more than the
-    /// call.
+    /// Not inlined: in a main loop it would share that loop's registers, which costs more than the call.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = self.post.flags();
@@ -33,7 +32,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         } = self.watch_samples(sample);
         let (displacement_m, force_n) = self.correct(sample);
         let estimate = self.estimate(displacement_m, force_n);
-        // A test runs, and its targets do not come from outside.
+        // A test runs whose targets are not external.
         let integrates_here = self.mode.integrates() && self.pace.is_none();
         if self.target_reached(integrates_here, usable) {
             self.solve(integrates_here, &estimate, ground);
@@ -68,7 +67,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// The target of an integration step has been reached, with a sample that may be integrated with.
+    /// True if the target of an integration step has been reached, with a sample that may be integrated with.
     #[inline]
     fn target_reached(&self, integrates_here: bool, usable: bool) -> bool {
         if integrates_here {
@@ -97,7 +96,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             load_n = k.load_n(ground_m_per_s2);
             correction_n = self.newmark.advance(k, &load_n, &force_n, &damping);
         } else {
-            // What loads the structure is not known here: the monitor's scale is the strain energy alone.
+            // The external load is unknown here: the monitor's scale is the strain energy alone.
             let (now, force_n, damping) = (now, force_n, damping);
             correction_n = self.answer(&now, &force_n, &damping);
         }
@@ -113,7 +112,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.close_step(ground_m_per_s2);
     }
 
-    /// Towards the target of the running test.
+    /// One step towards the target of the running test.
     #[inline]
     fn advance_command(&mut self) -> [f32; N] {
         if self.signal.advance(&self.design.signal) {
@@ -122,8 +121,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         *self.signal.command_m()
     }
 
-    /// Energy errors and compensation at a target that has been reached: the force that the equation of motion takes, and
-    /// the damping that acts in it.
+    /// Energy errors and compensation at a reached target: gives force and damping for the equation of motion.
     #[inline]
     fn compensate(&mut self, now: &Observation<N>) -> LawOutput<N> {
         let energy = self.energy.update(now, self.design.physical);
@@ -136,7 +134,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.law.act(&reached, &mut self.correction)
     }
 
-    /// The target that the integration has come to.
+    /// The target that the integration has reached.
     #[inline]
     pub(super) fn target(&self) -> Target<N> {
         Target {
@@ -146,7 +144,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// Counts the integration step and looks for a structure that its own damping locks.
+    /// Counts the integration step and checks for a structure locked by its own damping.
     #[inline]
     fn close_step(&mut self, ground_m_per_s2: f32) {
         let k = &self.design;
@@ -166,13 +164,13 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Whether the sample may be integrated with, and for how many control steps samples have been stale.
     #[inline]
     fn watch_samples(&mut self, sample: &Sample<N>) -> Staleness {
-        // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
+        // While idle the command follows the sensor: a moving command with a constant reading is then no contradiction.
         let watched = if self.mode == Mode::Idle {
             0
         } else {
             self.design.physical
         };
-        // The target's motion counts: a predictor's command jumps with the noise, and two equal words are a chance then.
+        // Use the target's motion: a predictor's command jumps with noise, and two equal readings may then be chance.
         let mut place = [0.0; N];
         let target_m = self.strokes_m(&self.target_m, &mut place);
         let seen = self
@@ -185,8 +183,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         seen
     }
 
-    /// The true displacement and force of the structure's coordinates, as far as they are known; interlocks on the force
-    /// and the record keep what was read.
+    /// The best known true displacement and force in the structure's coordinates; force interlocks and the record keep
+    /// the raw readings.
     #[inline]
     fn correct(&mut self, sample: &Sample<N>) -> ([f32; N], [f32; N]) {
         if !self.design.corrects {
@@ -194,7 +192,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
         let runs = self.mode.integrates();
-        // Of a rig that stands, an offset looks like a gain, and more so with each sample.
+        // On a rig at rest an offset looks like a gain, more so with each sample.
         let moves = runs && self.signal.velocity_m().iter().any(|v| *v != 0.0);
         self.rig
             .correct(&self.sent_m, moves, &mut displacement_m, &mut force_n);
@@ -207,7 +205,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         (displacement_m, force_n)
     }
 
-    /// What the loop believes of the specimen; numerical degrees of freedom are where they were sent.
+    /// The loop's estimate of the specimen; numerical degrees of freedom are where they were sent.
     #[inline]
     fn estimate(&mut self, mut displacement_m: [f32; N], mut force_n: [f32; N]) -> Estimate<N> {
         let k = &self.design;

@@ -1,4 +1,4 @@
-//! What the rig watch is given of a running test, and what it asks of the loop. See `watch/post.rs` for when.
+//! What the rig watch receives from a running test, and what it requests of the loop. `watch/post.rs` says when.
 
 use super::OuterLoop;
 use crate::rig::Rig;
@@ -6,19 +6,19 @@ use crate::supervise::{Event, Fault, Mode, Trip};
 use crate::watch::{Orders, Seen, WatchedStep};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
-    /// Has the tests to come watched; `corrects`: command and reading may be corrected for what is named. Without effect while
-    /// the loop is not idle.
+    /// Watches future tests; with `corrects`, command and reading may be corrected for named causes. No effect unless
+    /// the loop is idle.
     pub fn watch(&mut self, corrects: bool) {
         if self.mode == Mode::Idle {
             self.post.watch();
-            // A loop that may be corrected takes the way of one that is.
+            // A loop that may be corrected takes the same path as one that is.
             self.design.predicts |= corrects;
             self.design.corrects |= corrects;
         }
     }
 
-    /// Counts the last control step, if it is one of a watched test: what it has [`seen`](Self::seen) is for whoever judges, and an
-    /// answer may be due. To be called once behind each step, when the command is out.
+    /// Counts the last control step if it belongs to a watched test: the judge then gets what was [`seen`](Self::seen),
+    /// and an answer may be due. Call it once after each step, when the command has been sent.
     #[inline]
     pub fn count_watched(&mut self) -> Option<WatchedStep> {
         if !self.mode.integrates() {
@@ -27,14 +27,14 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.post.count()
     }
 
-    /// The answer that is due asks for something else than the one before it: changes the orders in force.
+    /// The due answer differs from the previous one: changes the active orders.
     #[inline]
     pub fn obey(&mut self, change: impl FnOnce(&mut Orders<N>)) {
         self.post.change(change);
         let Some(alarm) = self.post.alarm() else {
             return;
         };
-        // A sensor that stands is an emergency; a test that is worth nothing ends on the ramp.
+        // A frozen sensor is an emergency; a test that has become worthless ends on the ramp.
         let event = if alarm.value > 0.0 {
             Event::MinorFault
         } else {
@@ -52,7 +52,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// The answer that is due has not come: the watch of this test ends.
+    /// The due answer has not come: the watch of this test ends.
     #[cold]
     #[inline(never)]
     pub fn end_watch(&mut self) {
@@ -64,7 +64,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         self.post.steps_in_block()
     }
 
-    /// What the watch is to see of the last control step, for each axis.
+    /// The watch's view of the last control step, for each axis.
     pub fn seen(&self) -> [Seen; N] {
         let record = self.history.latest();
         core::array::from_fn(|j| {
@@ -76,7 +76,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         })
     }
 
-    /// What adaptive predictors have learnt where the watch holds them goes back.
+    /// Takes back what adaptive predictors have learnt on axes where the watch holds them.
     #[cold]
     #[inline(never)]
     pub(super) fn unlearn_held(&mut self) {

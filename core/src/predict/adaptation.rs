@@ -1,8 +1,8 @@
 //! When an adaptive law may learn, and how fast.
 //!
 //! A law that divides by the motion learns from noise when there is none: every published failure of an adaptive
-//! predictor that we know of is at the start of a test or in its quiet end. So all of them ask this gate: the speed
-//! must be a fair share of its running peak, and that peak above a floor.
+//! predictor that we know of is at the start of a test or at its quiet end. So all of them share this gate: the speed
+//! must be a fair fraction of its running peak, and that peak above a floor.
 
 use crate::config::Adaptation;
 use crate::context::ActuatorContext;
@@ -14,7 +14,7 @@ use crate::refusal::{Refusal, accept, between};
 pub(crate) struct Learning {
     /// Running peak of the displacement below which nothing is learnt, m.
     pub floor_m: f32,
-    /// What the running peaks keep from one control step to the next.
+    /// Decay factor of the running peaks per control step.
     pub memory: f32,
     /// Learning rate, 1 per control step.
     pub rate: f32,
@@ -28,7 +28,7 @@ pub(crate) struct Learning {
     pub gain_limit: f32,
 }
 
-/// Share of the running peak of the speed below which nothing is learnt.
+/// Fraction of the running peak speed below which nothing is learnt.
 const SHARE: f32 = 0.3;
 
 impl Learning {
@@ -73,7 +73,7 @@ impl Learning {
         )
     }
 
-    /// For a test. Running peaks fade within some natural periods of laboratory time.
+    /// The settings for a test. Running peaks fade within some natural periods of laboratory time.
     pub fn design(context: &ActuatorContext<'_>) -> Self {
         let a = &context.parameters.adaptation;
         let rate_hz = context.rate_hz;
@@ -113,7 +113,7 @@ pub(crate) struct Gate {
 }
 
 impl Gate {
-    /// Takes in the motion of the target; whether it is worth learning from.
+    /// Takes in the target's motion; true if it is worth learning from.
     #[inline]
     pub fn open(&mut self, k: &Learning, displacement_m: f32, velocity_m: f32) -> bool {
         self.peak_m = larger(k.memory * self.peak_m, displacement_m.abs());
@@ -122,7 +122,7 @@ impl Gate {
     }
 }
 
-/// `value + step`, the step at most `limit` and the result between `low` and `high`; a step of NaN is none.
+/// `value + step`, the step at most `limit` and the result between `low` and `high`; a NaN step is ignored.
 #[inline]
 pub fn learnt(value: f32, step: f32, limit: f32, low: f32, high: f32) -> f32 {
     if !step.is_finite() {

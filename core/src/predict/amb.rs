@@ -1,8 +1,8 @@
 //! Adaptive model-based compensation: Galmez and Fermandois, Structural Control and Health Monitoring 29 (2022).
 //!
 //! Feedforward is `a_0 u + a_1 v + a_2 a + a_3 j`, the inverse of a third-order actuator. Its coefficients are learnt from
-//! what came of the commands: with phi the measured displacement and its first three backward differences, and `e` what
-//! `a . phi` leaves of the command that was sent, `a' = Gamma phi e / (1 + phi . phi)`. Command and phi pass the same
+//! the response to the commands: with phi the measured displacement and its first three backward differences, and `e`
+//! the sent command minus `a . phi`, `a' = Gamma phi e / (1 + phi . phi)`. Command and phi pass the same
 //! fourth-order Butterworth filter first, so that its lag cancels. Coefficients stay at 0 or above. The gain `a_0` is
 //! relative to the command's gain that the rig is calibrated with.
 //!
@@ -11,7 +11,7 @@
 //!
 //! # When not to use it
 //! The law is scaled by `1 + phi . phi` in SI units, where the square of the jerk rules: gains that were tuned for one
-//! size of motion are not those of another. It learns what the sensor's noise looks like where the test does not move.
+//! size of motion are not those of another. It learns the sensor's noise while the test does not move.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
@@ -21,7 +21,7 @@ use crate::float::{larger, smaller};
 use crate::method::Prediction;
 use crate::refusal::{Refusal, accept, between};
 
-/// Share of what was learnt that is taken back in a second, where it has to be.
+/// Fraction of what was learnt that is taken back per second, if it has to be.
 const UNLEARNS_A_SECOND: f32 = 4.0;
 
 /// Constants of the compensator; derivatives in powers of a control step.

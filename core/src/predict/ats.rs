@@ -13,8 +13,8 @@
 //! `smoothing_hz`. State 112 bytes an axis. Cost: some 120 operations.
 //!
 //! # When not to use it
-//! Where a higher mode is near its limit already with the coefficients of the start: it does not wait for the learning.
-//! Where noise moves more than the test does: the regression has errors in its variables, and they bias it low.
+//! If a higher mode is already near its limit with the initial coefficients: it does not wait for the learning.
+//! If noise moves more than the test does: the regression has errors in its variables, and they bias it low.
 
 use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -38,7 +38,7 @@ pub(crate) struct Constants {
     pub stiffness: f32,
     /// Its damping, 1 / control step.
     pub damping: f32,
-    /// What the sums keep from one control step to the next.
+    /// Decay factor of the sums per control step.
     pub memory: f32,
     /// When to learn.
     pub learning: Learning,
@@ -52,7 +52,7 @@ struct Smooth {
 }
 
 impl Smooth {
-    /// Takes in a value; gives filtered value, speed and acceleration at the end of the step.
+    /// Takes in a value; returns filtered value, speed and acceleration at the end of the step.
     #[inline]
     fn pass(&mut self, k: &Constants, input: f32) -> [f32; 3] {
         let acceleration = k.stiffness * (input - self.value) - k.damping * self.speed;
@@ -129,7 +129,7 @@ impl PredictAxis for Ats {
             let z = [m, m1 * k.unit, m2 * k.unit * k.unit];
             let start = [1.0, k.start[0], k.start[1]];
             let [a, b, c] = start;
-            // What the prior leaves unexplained.
+            // The residual of the prior.
             let y = sent - (a * z[0] + b * z[1] + c * z[2]);
             let new = [
                 z[0] * z[0],
@@ -160,7 +160,7 @@ impl PredictAxis for Ats {
 }
 
 impl Ats {
-    /// A bounded step of the coefficients towards those that are wanted.
+    /// A bounded step of the coefficients towards the wanted ones.
     #[inline]
     fn move_towards(&mut self, k: &Constants, wanted: [f32; 3]) {
         let (tolerance, per_unit) = (k.learning.gain_tolerance, 1.0 / k.unit);

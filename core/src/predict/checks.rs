@@ -1,4 +1,4 @@
-//! An actuator to check predictors on: a pure delay and a gain, outside of any loop.
+//! An actuator for checking predictors: a pure delay and a gain, outside any loop.
 
 use super::adaptation::Learning;
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -44,7 +44,7 @@ pub(crate) fn tracking_error<P: PredictAxis>(k: &P::Constants, actuator: Axis) -
     run::<P>(k, actuator).1
 }
 
-/// The same with the predictor as it is in the end.
+/// The same, with the final predictor.
 pub(crate) fn run<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> (P, f32) {
     let mut axis = P::at_rest(k);
     let mut line = [0.0_f32; 32];

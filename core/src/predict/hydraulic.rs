@@ -7,14 +7,14 @@
 //!
 //! Four parameters are uncertain: stiffness of the specimen, pole of the actuator, damping and squared frequency of the
 //! valve. They are estimated *forwards*: the model is driven by the command, which carries no noise, and its output is
-//! compared with the reading, recursive least squares with the declared spreads as prior. Turned round (the command
-//! explained by derivatives of the reading) the noise of the sensor would stand in the regressors.
+//! compared with the reading, recursive least squares with the declared spreads as prior. The other way round (the
+//! command explained by derivatives of the reading) the sensor's noise would be in the regressors.
 //!
 //! Parameters: `hydraulic`; left out, an actuator that is late by `delay_ms` is guessed. State 170 bytes an axis. Cost: some 350 operations.
 //!
 //! # When not to use it
-//! It knows the structure of the actuator and that the specimen is linear. With another actuator the four parameters take
-//! what they can; see the benchmark's rows for a specimen that yields.
+//! It knows the structure of the actuator and that the specimen is linear. With another actuator the four parameters
+//! absorb what they can; see the benchmark's rows for a specimen that yields.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{self, Compensation, Timing};
@@ -96,7 +96,7 @@ struct Chain([f32; 6]);
 impl Chain {
     #[inline]
     fn pass(&mut self, alpha: &Polynomial, per_weight: f32, input: f32) {
-        // What each derivative would be if the highest were 0 from now on.
+        // Each derivative as it would be with the highest at 0 from now on.
         let (mut rest, mut sum) = (input, self.0[5]);
         for n in (0..5).rev() {
             let here = self.0[n];
@@ -113,7 +113,7 @@ impl Chain {
         }
     }
 
-    /// What the highest derivative weighs in the rule.
+    /// Weight of the highest derivative in the rule.
     #[inline]
     fn weight(alpha: &Polynomial) -> f32 {
         let [a, b, c, d, e, f] = *alpha;
@@ -128,7 +128,7 @@ fn plant(c: &Compensation, delay_ms: f64, stiffness_n_per_m: f64) -> config::Hyd
     c.hydraulic.clone().unwrap_or_else(guessed)
 }
 
-/// Share of what was learnt that is taken back in a control step, where it has to be.
+/// Fraction of what was learnt that is taken back per control step, if it has to be.
 const UNLEARNS_A_STEP: f32 = 0.002;
 
 /// One axis.

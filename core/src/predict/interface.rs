@@ -1,12 +1,11 @@
-//! What a predictor sees, and what it must have: [`Predict`] for all axes together, [`PredictAxis`] for one that works axis
-//! by axis.
+//! A predictor's inputs and traits: [`Predict`] handles all axes together, [`PredictAxis`] one axis at a time.
 
 use crate::config::{Compensation, Timing};
 use crate::context::{ActuatorContext, Context};
 use crate::refusal::Refusal;
 use crate::structure::actuated;
 
-/// What the last command of an axis has led to.
+/// The result of an axis's last command.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct LastCommand {
@@ -16,11 +15,11 @@ pub struct LastCommand {
     pub sent_m: f32,
     /// Displacement as estimated from the sample, m.
     pub measured_m: f32,
-    /// The sample is fresh and the test runs: it may be learnt from.
+    /// True if the sample is fresh and the test runs, so that it may be learnt from.
     pub learn: bool,
 }
 
-/// Where the motion of an axis goes.
+/// The motion that an axis is to follow next.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct TargetMotion {
@@ -62,7 +61,7 @@ impl TargetMotion {
         self.led_at(steps, self.acceleration_m)
     }
 
-    /// The motion `steps` control steps later, at an acceleration that is not quite its own, m per control step squared.
+    /// The motion `steps` control steps later, at a given acceleration, m per control step squared.
     #[inline]
     pub(crate) fn led_at(&self, steps: f32, acceleration_m: f32) -> Self {
         let gained_m = steps * acceleration_m;
@@ -102,8 +101,8 @@ pub(crate) trait Predict<const N: usize>: Sized {
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
-    /// One control step of the axes `0..physical`: learns from what was followed, and replaces the targets in
-    /// `command_m` by what is to be sent.
+    /// One control step of the axes `0..physical`: learns from `followed`, and replaces the targets in `command_m`
+    /// by the commands to send.
     fn command(
         &mut self,
         k: &Self::Constants,
@@ -113,13 +112,13 @@ pub(crate) trait Predict<const N: usize>: Sized {
         command_m: &mut [f32; N],
     );
 
-    /// What the actuator `axis` has learnt goes back to what was declared by a bounded step, and is forgotten.
+    /// Moves what the actuator `axis` has learnt towards the declared values by a bounded step, and forgets it.
     fn unlearn(&mut self, k: &Self::Constants, axis: usize) {
         let _ = (k, axis);
     }
 }
 
-/// A predictor that works axis by axis. [`own`](crate::own) has one of thirty lines.
+/// A predictor that works axis by axis. [`own`](crate::own) has a thirty-line example.
 pub trait PredictAxis: Sized {
     /// Constants of an axis, worked out once.
     type Constants: Clone + core::fmt::Debug;
@@ -141,17 +140,17 @@ pub trait PredictAxis: Sized {
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
-    /// One control step: learns from what was followed and gives the command to send, m.
+    /// One control step: learns from `followed` and returns the command to send, m.
     fn command(&mut self, k: &Self::Constants, followed: &LastCommand, ahead: &TargetMotion)
     -> f32;
 
-    /// A control step in which what was learnt goes back to what was declared, by a bounded step.
+    /// A control step in which what was learnt moves towards the declared values by a bounded step.
     fn unlearn(&mut self, k: &Self::Constants) {
         let _ = k;
     }
 }
 
-/// Once in an image, for every number of floors and every axis.
+/// Compiled once per image, for every number of floors and every axis.
 #[inline(never)]
 fn design<P: PredictAxis>(context: &ActuatorContext<'_>) -> P::Constants {
     P::design(context)
@@ -178,7 +177,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
         Self(core::array::from_fn(|j| P::at_rest(&k[j])))
     }
 
-    // A function of its own: what only some predictors do is not spread over the step of all.
+    // Not inlined, so that code of some predictors does not burden the step of all.
     #[inline(never)]
     fn command(
         &mut self,

@@ -6,8 +6,8 @@
 //! Parameters: `delay_ms`, `order` 1 to 3. State 260 bytes an axis. Cost: up to three interpolated taps.
 //!
 //! # When not to use it
-//! With order 3 the gain at `omega tau` = 1.57 is 15: a mode there is driven to instability, damping or none. Nothing
-//! shows it that the delay differs from the declared one, and a gain error stays.
+//! With order 3 the gain at `omega tau` = 1.57 is 15: a mode there is driven to instability, damped or not. It does
+//! not notice a delay that differs from the declared one, and a gain error stays.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::past::{PastTargets, REACH};
@@ -40,7 +40,7 @@ impl Extrapolation {
         }
     }
 
-    /// Takes in `target_m` and gives the polynomial `delay` control steps ahead of it.
+    /// Takes in `target_m` and returns the polynomial `delay` control steps ahead of it.
     #[inline]
     pub fn ahead(&self, past: &mut PastTargets, target_m: f32, delay: f32) -> f32 {
         past.push(self.stride, target_m);

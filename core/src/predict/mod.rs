@@ -1,14 +1,14 @@
-//! Predictors: what is sent so that the actuator, which is late, is at the target in time.
+//! Predictors: shape the command so that the actuator, which is late, reaches the target in time.
 //!
-//! A predictor stands between signal generation and the sent command, axis by axis, once a control step. It sees what
-//! has come of the last command ([`LastCommand`]) and where the motion goes ([`TargetMotion`]). What the integration and the
-//! energies call the command stays the target; only the actuator, the interlocks on the command and the estimator's
-//! known input see what is sent.
+//! A predictor stands between signal generation and the sent command, axis by axis, once a control step. It sees the
+//! result of the last command ([`LastCommand`]) and where the motion goes ([`TargetMotion`]). The "command" of the
+//! integration and the energies remains the target; only the actuator, the interlocks on the command and the
+//! estimator's known input see what is sent.
 //!
 //! | file | method | source |
 //! |---|---|---|
 //! | [`lagrange`] | polynomial extrapolation | Horiuchi et al. 1999 |
-//! | [`darby`] | the same, its delay estimated on line | Darby et al. 2002 |
+//! | [`darby`] | the same, with the delay estimated online | Darby et al. 2002 |
 //! | [`model`] | prediction by the structure's own model | Carrion and Spencer 2007 |
 //! | [`phase_lead`] | first-order phase lead | Zhao et al. 2003 |
 //! | [`mcs`] | minimal control synthesis, modified demand | Bonnet et al. 2007 |
@@ -20,7 +20,7 @@
 //! | [`hydraulic`] | inverse of an estimated servo-hydraulic actuator | |
 //!
 //! Adaptive predictors share [`adaptation`]: off until the motion is worth learning from, bounded, rate limited. Those
-//! that look back share [`past`].
+//! that use past targets share [`past`].
 
 pub(crate) mod adaptation;
 impl Prediction {
@@ -53,7 +53,7 @@ macro_rules! predictors {
     ) => {
         $($(#[cfg(feature = $feature)])? $(pub(crate) mod $file;)?)*
 
-        /// The predictor of a loop, with its constants and its memory.
+        /// A loop's predictor, with its constants and its state.
         #[derive(Clone, Debug)]
         #[allow(clippy::large_enum_variant)] // There is no heap.
         pub(crate) enum Predictor<const N: usize> {
@@ -72,10 +72,10 @@ macro_rules! predictors {
                 Ok(())
             }
 
-            /// For a test, at rest at zero.
+            /// The predictor for a test, at rest at zero.
             ///
             /// # Errors
-            /// A structure for which there is none.
+            /// The structure allows none.
             pub fn design(context: &Context<'_, N>) -> Result<Self, Refusal> {
                 Ok(match context.parameters.kind.predictor {
                     Prediction::None => Self::None,
@@ -96,7 +96,7 @@ macro_rules! predictors {
                 }
             }
 
-            /// True if it also uses the motion of axes without an actuator.
+            /// True if the predictor also uses the motion of axes without an actuator.
             pub fn sees_all(&self) -> bool {
                 match self {
                     Self::None => false,
@@ -112,7 +112,7 @@ macro_rules! predictors {
                 }
             }
 
-            /// What the actuator `axis` has learnt goes back to what was declared by a bounded step, before its next command.
+            /// Moves what `axis` has learnt towards the declared values by a bounded step, before its next command.
             pub fn unlearn(&mut self, axis: usize) {
                 match self {
                     Self::None => {}
@@ -120,7 +120,7 @@ macro_rules! predictors {
                 }
             }
 
-            /// One control step of the axes `0..physical`: replaces the targets in `command_m` by what is to be sent.
+            /// One control step of the axes `0..physical`: replaces the targets in `command_m` by the commands to send.
             pub fn command(
                 &mut self,
                 followed: &[LastCommand; N],

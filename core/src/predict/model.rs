@@ -1,6 +1,6 @@
 //! Model-based prediction: Carrion and Spencer, NSEL Report 006 (2007).
 //!
-//! The target one delay ahead is what the structure's own equation of motion makes of the present state. With the load
+//! The target one delay ahead follows from the present state by the structure's own equation of motion. With the load
 //! held, `M a' + C a + K v = 0`: velocity and acceleration go on as a free vibration, and
 //! `u(t + tau) = u + A v + B a` with two matrices that are worked out once. They become `tau` and `tau^2/2` where the
 //! structure is slow, and follow its modes where it is not. The acceleration is the integration's, so whatever force was
@@ -9,8 +9,8 @@
 //! Parameters: `delay_ms`, and the structure as declared. State 4 `N^2` bytes twice. Cost: 2 `N` products a floor.
 //!
 //! # When not to use it
-//! Where the specimen is not what was declared: a yielding one is predicted as an elastic one. The change of the ground
-//! motion within the delay is left out.
+//! If the specimen differs from what was declared: a yielding one is predicted as elastic. The change of the ground
+//! motion within the delay is neglected.
 
 use super::interface::{LastCommand, Predict, TargetMotion};
 use crate::context::Context;
@@ -70,7 +70,7 @@ impl<const N: usize> Constants<N> {
     }
 }
 
-/// Without memory: the constants are all there is.
+/// Stateless: it has only constants.
 #[derive(Clone, Debug)]
 pub(crate) struct ModelPrediction;
 

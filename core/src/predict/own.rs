@@ -1,4 +1,4 @@
-//! The predictor that a program brings itself, on every axis.
+//! A predictor supplied by the program, on every axis.
 
 use super::interface::{LastCommand, Predict, TargetMotion};
 use crate::config::{Compensation, Timing};
@@ -20,7 +20,7 @@ fn calls() -> Result<&'static PredictorCalls, Refusal> {
 impl<const N: usize> Predict<N> for OwnPredictor<N> {
     type Constants = (&'static PredictorCalls, [Room; N]);
 
-    // Nothing is known of it.
+    // Unknown, so assume that it learns.
     const LEARNS: bool = true;
 
     fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {

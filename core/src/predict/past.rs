@@ -1,4 +1,4 @@
-//! Past targets in a short ring: every `stride`-th is kept, and what lies between is interpolated.
+//! Past targets in a short ring: every `stride`-th is kept, those between are interpolated.
 //!
 //! Three delays of 60 ms at 2 kHz are 360 control steps, more memory than a loop has. A structure moves at some hertz,
 //! so points 3 ms apart with a cubic between them lose less than 1e-6 of it.

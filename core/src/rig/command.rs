@@ -1,4 +1,4 @@
-//! What an actuator's gain and offset ask of its command.
+//! Corrects an actuator's command for its gain and offset.
 
 /// From command to true displacement: `gain * command + offset`.
 #[derive(Clone, Copy, Debug)]

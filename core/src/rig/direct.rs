@@ -1,10 +1,10 @@
-//! Each actuator moves a floor of its own, and the rig is made an ideal one: samples without offsets, gains, skew between the channels and friction of the bearings, and
-//! commands that bring the actuator to where it is wanted.
+//! Each actuator moves a floor of its own. Corrections make the rig ideal: samples are freed of offsets, gains, skew
+//! between channels and bearing friction, and commands bring the actuator to the wanted position.
 //!
-//! Each correction stands where its cause is. An actuator that is elsewhere than its command is sent another command; its
-//! reading is right. A transducer that reads wrong has its reading put right; where the actuator is, it does not change.
-//! An offset of the displacement shows in the force as stiffness times offset: whoever takes out the one must not take out
-//! the other as well.
+//! Each error is corrected at its cause. An actuator that is not where its command says gets another command; its
+//! reading is right. A transducer that reads wrong has its reading corrected; that does not change the actuator's
+//! position. An offset of the displacement shows in the force as stiffness times offset: whoever takes out the one must
+//! not take out the other as well.
 
 use super::command::CommandMap;
 use super::interface::{Asked, Rig};
@@ -40,7 +40,7 @@ pub(crate) struct Known {
     pub(crate) displacement_noise_m: f64,
 }
 
-/// What is known of an axis.
+/// The known properties of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisCorrection {
     /// True displacement per measured one.
@@ -95,7 +95,7 @@ struct Memory {
     waiting: DelayLine<MAX_SKEW_STEPS>,
 }
 
-/// A rig whose actuators each move a floor of their own: what is known of it, and its memory.
+/// A rig whose actuators each move a floor of their own: its known properties and its state.
 #[derive(Clone, Debug)]
 pub struct DirectRig<const N: usize> {
     constants: Option<RigConstants<N>>,
@@ -148,7 +148,7 @@ impl<const N: usize> DirectRig<N> {
 }
 
 impl<const N: usize> Rig<N> for DirectRig<N> {
-    /// `None` where samples need no correction.
+    /// `None` if samples need no correction.
     type Constants = Option<RigConstants<N>>;
 
     const SAME_COORDINATES: bool = true;

@@ -1,4 +1,4 @@
-//! What the loop asks of a rig: [`Rig`].
+//! The interface between loop and rig: [`Rig`].
 
 use super::command::CommandMap;
 use crate::ground_motion::GroundMotion;
@@ -7,13 +7,13 @@ use crate::supervise::{Finding, Mode};
 /// What a command is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'a, const N: usize> {
-    /// Where the structure's coordinates are to be, m.
+    /// Wanted coordinates of the structure, m.
     pub aim_m: &'a [f32; N],
     /// The commands in force, m.
     pub sent_m: &'a [f32; N],
     /// What the loop is doing.
     pub mode: Mode,
-    /// The targets of a running test come from outside: what moves them is not known here.
+    /// True if the targets of a running test are external: what moves them is unknown here.
     pub from_outside: bool,
     /// What shakes the structure.
     pub ground: &'a GroundMotion<'a>,
@@ -27,16 +27,16 @@ pub struct Asked<'a, const N: usize> {
 /// What does not concern a rig whose actuators each move a coordinate of their own is decided by
 /// [`SAME_COORDINATES`](Self::SAME_COORDINATES) at compile time: such a rig pays nothing for the others.
 pub trait Rig<const N: usize>: Clone + core::fmt::Debug {
-    /// What is known of it, worked out once.
+    /// The known properties of the rig, computed once.
     type Constants: Clone + core::fmt::Debug;
 
-    /// True where stroke `j` is coordinate `j`.
+    /// True if stroke `j` is coordinate `j`.
     const SAME_COORDINATES: bool;
 
     /// Before the first sample.
     fn at_rest(constants: Self::Constants) -> Self;
 
-    /// A test begins: what belongs to the last one is forgotten. Where the actuators are is not.
+    /// A test begins: forgets the state of the last one, but not the actuators' positions.
     fn rest(&mut self);
 
     /// Back to before the first sample, as far as a test that begins does not do that.
@@ -57,7 +57,7 @@ pub trait Rig<const N: usize>: Clone + core::fmt::Debug {
     /// Strokes of the actuators, m, with the structure at `at_m`.
     fn strokes_m(&self, at_m: &[f32; N]) -> [f32; N];
 
-    /// The commands that bring the structure where it is to be, m.
+    /// The commands that bring the structure to its wanted position, m.
     fn commands(&mut self, maps: &[CommandMap; N], asked: &Asked<'_, N>) -> [f32; N];
 
     /// True if every limit in the structure's coordinates is kept on the way from one target to the next, both m.

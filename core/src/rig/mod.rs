@@ -1,9 +1,9 @@
-//! The rig between the structure and the computer: which actuator moves what, and what is known to be wrong with it.
+//! The rig between the structure and the computer: which actuator moves what, and the rig's known errors.
 //!
-//! | file | what is there |
+//! | file | contents |
 //! |---|---|
-//! | [`interface`] | what the loop asks of a rig |
-//! | [`command`] | what an actuator's gain and offset ask of its command |
+//! | [`interface`] | the interface between loop and rig |
+//! | [`command`] | correction of a command for the actuator's gain and offset |
 //! | [`direct`] | each actuator moves a floor of its own |
 //!
 //! Two actuators on one coupler are in `coupled/rig.rs`.

@@ -2,13 +2,13 @@
 
 use crate::record::Record;
 
-/// Number of steps that are kept from before a fault.
+/// Number of steps kept from before a fault.
 pub const HISTORY: usize = 14;
 
-/// One more than is kept: where the present step is written once a fault has closed the history.
+/// One more than is kept: the present step is written there once a fault has closed the history.
 const SLOTS: usize = HISTORY + 1;
 
-/// Flags of a place in which nothing is kept: no mode has this number.
+/// Flags of an empty place: no mode has this number.
 const NOTHING: u32 = u32::MAX;
 
 /// A ring of records, written in place.
@@ -20,7 +20,7 @@ pub struct History<const N: usize> {
 }
 
 impl<const N: usize> History<N> {
-    /// Nothing kept.
+    /// An empty history.
     pub const fn new() -> Self {
         let nothing = Record {
             flags: NOTHING,
@@ -33,7 +33,7 @@ impl<const N: usize> History<N> {
         }
     }
 
-    /// The place for the record of this step; what is not kept is overwritten by the next.
+    /// The place for the record of this step; if not kept, the next step overwrites it.
     #[inline]
     pub fn place(&mut self, keep: bool) -> &mut Record<N> {
         let next = self.newest + 1;
@@ -48,13 +48,13 @@ impl<const N: usize> History<N> {
     /// The record of this step, kept or not.
     #[inline]
     pub fn latest(&self) -> &Record<N> {
-        // Not a remainder, which costs a multiplication: `place` keeps it within.
+        // No remainder, which costs a multiplication: `place` keeps it in range.
         self.slots.get(self.latest).unwrap_or(&self.slots[0])
     }
 
-    /// What is kept, oldest first.
+    /// The kept records, oldest first.
     pub fn kept(&self) -> impl Iterator<Item = &Record<N>> {
-        // Behind the newest is the place of a step that is not kept.
+        // After the newest comes the place of a step that is not kept.
         let places = (2..=SLOTS).map(|i| (self.newest + i) % SLOTS);
         let records = places.map(|place| &self.slots[place]);
         records.filter(|record| record.flags != NOTHING)

@@ -1,10 +1,10 @@
-//! The interlocks: what must hold after all computing, before a command is sent.
+//! The interlocks: conditions that must hold after all computation, before a command is sent.
 
 use super::fault::Fault;
 use crate::float::unlikely;
 use crate::structure::actuated;
 
-/// Limits; the largest number where a limit is off, so that infinities and NaN fail every one.
+/// Limits; the largest number if a limit is off, so that infinities and NaN fail every one.
 #[derive(Clone, Copy, Debug)]
 pub struct InterlockLimits {
     /// Largest command, m.
@@ -21,7 +21,7 @@ pub struct InterlockLimits {
     pub rate_hz: f32,
     /// Largest measured force, N.
     pub force_n: f32,
-    /// Largest difference between measured displacement and where the actuator was sent, m.
+    /// Largest difference between measured displacement and the position commanded, m.
     pub tracking_m: f32,
     /// Energy ratio: warning.
     pub energy_warning: f32,
@@ -35,10 +35,10 @@ pub struct InterlockLimits {
     pub locked_damping_ratio: f32,
 }
 
-/// What an interlock found.
+/// The finding of an interlock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// Which fault.
+    /// The fault.
     pub fault: Fault,
     /// The axis.
     pub axis: u8,
@@ -59,7 +59,7 @@ impl Finding {
         }
     }
 
-    /// A fault without a value and a limit.
+    /// A fault without value or limit.
     pub const fn fact(fault: Fault) -> Self {
         Self {
             fault,
@@ -70,7 +70,7 @@ impl Finding {
     }
 }
 
-/// What the interlocks look at.
+/// The values that the interlocks check.
 #[derive(Clone, Copy, Debug)]
 pub struct Checked<'a, const N: usize> {
     /// The command that is about to be sent, m.
@@ -79,7 +79,7 @@ pub struct Checked<'a, const N: usize> {
     pub sent_m: &'a [f32; N],
     /// True displacement that the command in force asks for, m.
     pub aimed_m: &'a [f32; N],
-    /// Measured displacement, m, without what is known to be wrong with it.
+    /// Measured displacement, m, corrected for its known errors.
     pub displacement_m: &'a [f32; N],
     /// Measured force, N.
     pub force_n: &'a [f32; N],
@@ -93,10 +93,10 @@ pub struct Checked<'a, const N: usize> {
     pub physical: usize,
 }
 
-/// True if every limit is kept.
+/// True if no limit is exceeded.
 #[inline]
 pub fn within<const N: usize>(limits: &InterlockLimits, c: &Checked<'_, N>) -> bool {
-    // The sign bit of what is left says that a limit is passed: five limits, one branch.
+    // The sign bit of the remaining margin shows an exceeded limit: five limits, one branch.
     let mut passed = 0;
     for j in 0..actuated::<N>(c.physical) {
         passed |= room(limits.displacement_m, c.next_m[j])
@@ -120,14 +120,14 @@ fn room(limit: f32, value: f32) -> i32 {
     (limit.to_bits() as i32).wrapping_sub(value.abs().to_bits() as i32)
 }
 
-/// The first limit that is passed, in the order of [`Fault::rank`]; looked for only when there is one.
+/// The first exceeded limit, in the order of [`Fault::rank`]; only searched for when there is one.
 #[cold]
 #[inline(never)]
 pub fn first_fault<const N: usize>(
     limits: &InterlockLimits,
     c: &Checked<'_, N>,
 ) -> Option<Finding> {
-    // Compared as `!(x <= limit)`: a NaN passes no limit, so it fails every one.
+    // Compared as `!(x <= limit)`, so that a NaN fails every limit.
     let mut worst: Option<Finding> = None;
     let mut found = |fault: Fault, axis: usize, value: f32, limit: f32| {
         let first = match worst {

@@ -1,8 +1,8 @@
 //! Detects a structure that is locked by its own added damping.
 //!
 //! With noise in Eq 12 and no guards, C_cor can grow until the structure hardly moves: everything stays finite and
-//! looks stable, and the displacement error is 100 %. A structure whose mean added damping comes near critical over a
-//! natural period does not vibrate any more; no honest correction of a delay does that (it would need
+//! looks stable, and the displacement error is 100 %. A structure whose mean added damping is near critical over a
+//! natural period no longer vibrates; no genuine correction of a delay does that (it would need
 //! `omega tau` near 2).
 
 use crate::float::smaller;

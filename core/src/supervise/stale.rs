@@ -1,42 +1,43 @@
 //! Finds samples that are too old to trust: not fresh, or frozen while the target moves.
 
-/// Shares of the hidden motion: readings that stay within `STANDS` of it stand but for the converter's noise, and are suspicious
-/// once the target has moved by `FAR` of it. The second is eight times the first: a good transducer behind a delay `T` stays
-/// within `x` around a turn for `2 sqrt(2x/a)`, in which the target moves by `2 T sqrt(2xa)`; for as long as samples may be stale
-/// (at least `T` and 20 ms) that is less than `8x`.
+/// Fractions of the hidden motion: readings that stay within `STANDS` of it are constant except for the converter's
+/// noise, and are suspicious once the target has moved by `FAR` of it. The second is eight times the first: a good
+/// transducer behind a delay `T` stays within `x` around a turn for `2 sqrt(2x/a)`, in which the target moves by `2 T
+/// sqrt(2xa)`; for as long as samples may be stale (at least `T` and 20 ms) that is less than `8x`.
 const STANDS: f32 = 0.375;
 const FAR: f32 = 3.0;
-/// Misses are counted up to here, beyond every limit that a board accepts: a converter that is back counts as that soon.
+/// Upper bound of the count of misses, beyond every limit that a board accepts: a converter that is back is soon
+/// recognised as such.
 const MOST_MISSED: u16 = 1000;
 
 /// Counts how long samples have been stale.
 ///
-/// A reading that stands but for noise says so after a timeout of its own: a good transducer behind a delay stands as long around
-/// a turn.
+/// A reading that is constant except for noise has its own timeout: around a turn, a good transducer behind a delay is
+/// constant for as long.
 ///
 /// A frozen converter delivers the same two words for ever, on time; a dead transducer before a good converter delivers the
-/// converter's noise. Both are only suspicious while the target has moved since the reading last did, by more than the sensor
-/// could fail to show.
+/// converter's noise. Both are only suspicious if the target has moved, since the reading last did, by more than the
+/// sensor could fail to show.
 #[derive(Clone, Debug)]
 pub struct StaleWatch<const N: usize> {
-    /// Where the words last changed, and where the target was then, m.
+    /// Reading at the last change of the words, and the target then, m.
     displacement_m: [f32; N],
     target_m: [f32; N],
-    /// Where the reading has last moved by more than noise, and the target then, m.
+    /// Reading at its last move by more than noise, and the target then, m.
     moved_m: [f32; N],
     moved_target_m: [f32; N],
     hidden_motion_m: f32,
     steps: u16,
-    /// Samples that did not come, each that came taking one off: a converter that answers now and then is found, too.
+    /// Missing samples, less one for each that came: this also finds a converter that answers only now and then.
     missed: u16,
     standing_steps: u16,
     timeout_steps: u16,
 }
 
-/// What is known of a sample.
+/// The assessment of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Staleness {
-    /// It is new, and no repeated word: it may be integrated with.
+    /// True if it is new and not a repeated word, so that it may be integrated with.
     pub usable: bool,
     /// Control steps for which samples have been stale.
     pub steps: u16,
@@ -59,7 +60,7 @@ impl<const N: usize> StaleWatch<N> {
         }
     }
 
-    /// As at the start.
+    /// Back to the initial state.
     pub const fn reset(&mut self) {
         *self = Self::new(self.hidden_motion_m, self.timeout_steps);
     }
@@ -96,7 +97,7 @@ impl<const N: usize> StaleWatch<N> {
         self.count(fresh, usable, stands)
     }
 
-    /// A stale step, or one behind it.
+    /// A stale step, or one after it.
     #[cold]
     #[inline(never)]
     fn count(&mut self, fresh: bool, usable: bool, stands: bool) -> Staleness {

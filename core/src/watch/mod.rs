@@ -8,17 +8,17 @@
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!
-//! | file | what is there |
+//! | file | contents |
 //! |---|---|
-//! | `post.rs` | what is done in the control interrupt: orders come back after a fixed time |
+//! | `post.rs` | the part in the control interrupt: orders come back after a fixed time |
 //! | `tap.rs` | blocks of steps |
-//! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
+//! | `orders.rs`, `correction.rs`, `foresight.rs` | requests to the loop; corrections; error at the end of the test |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
-//! | `unloading.rs` | which samples tell of the specimen's elastic stiffness while it yields |
-//! | `regression.rs`, `normal.rs`, `answers.rs` | normal equations; every single cause from one inverse; what is kept of it |
-//! | `noise.rs`, `frozen.rs`, `play.rs` | what is no regression |
-//! | `trend.rs` | whether an offset goes on moving |
+//! | `unloading.rs` | which samples show the specimen's elastic stiffness while it yields |
+//! | `regression.rs`, `normal.rs`, `answers.rs` | normal equations; every single cause from one inverse; what is kept |
+//! | `noise.rs`, `frozen.rs`, `play.rs` | judgements without regression |
+//! | `trend.rs` | whether an offset keeps moving |
 //! | `state.rs`, `name.rs`, `verdict.rs` | states, causes with their sides, sets, of all actuators together |
 //! | `hypothesis.rs`, `judge.rs`, `judge/naming.rs` | from hypotheses to causes: which side, which set, when |
 //!
