@@ -41,6 +41,16 @@ fn command(seed: u64, seconds: f64) -> Vec<f64> {
 
 /// A record of the rig with `effects`.
 pub fn record(effects: &[EffectSpec], true_values: [f64; 3], seed: u64) -> Recording {
+    record_over(22.0, effects, true_values, seed)
+}
+
+/// The same over so many seconds.
+pub fn record_over(
+    seconds: f64,
+    effects: &[EffectSpec],
+    true_values: [f64; 3],
+    seed: u64,
+) -> Recording {
     let [stiffness, delay_ms, lag_ms] = true_values;
     let text = format!(
         "[actuator]\nkind = 'lag_delay'\ndelay_ms = {delay_ms:?}\nlag_ms = {lag_ms:?}\n[specimen]\nkind = 'linear'\n\
@@ -50,7 +60,7 @@ pub fn record(effects: &[EffectSpec], true_values: [f64; 3], seed: u64) -> Recor
     spec.effects = effects.to_vec();
     let mut rig =
         Rig::new(&spec, &[stiffness * 1e3], RATE_HZ, seed).unwrap_or_else(|e| panic!("{e}"));
-    let command = command(seed, 22.0);
+    let command = command(seed, seconds);
     let readings: Vec<_> = command
         .iter()
         .map(|u| {
