@@ -15,6 +15,9 @@ use tungstenite::{Message, WebSocket};
 /// Seconds for which a browser looks on; OUTERLOOP_SCOPE_SECONDS makes them more.
 const SECONDS: u64 = 8;
 
+/// For what does not come at all: a slow machine may take long.
+const PATIENCE: Duration = Duration::from_secs(120);
+
 /// A process that ends with the test.
 struct Ended(Child);
 
@@ -83,7 +86,7 @@ impl Page {
                 let socket = tungstenite::connect(url).unwrap().0;
                 return Self { socket, number: 0 };
             }
-            assert!(began.elapsed() < Duration::from_secs(20), "{pages}");
+            assert!(began.elapsed() < PATIENCE, "{pages}");
         }
     }
 
@@ -113,10 +116,7 @@ impl Page {
         let began = Instant::now();
         while self.value(expression) != true {
             let text = self.value("document.body.innerText");
-            assert!(
-                began.elapsed() < Duration::from_secs(30),
-                "{expression}: {text}"
-            );
+            assert!(began.elapsed() < PATIENCE, "{expression}: {text}");
             std::thread::sleep(Duration::from_millis(50));
         }
     }

@@ -175,6 +175,10 @@ fn devices_without_a_name_of_their_own_have_their_plain_family() {
         let a = beside_a_spring(&slow, &force, 4e-3);
         assert_is_of(&a, &[Hysteresis, Friction, Gap], device);
     }
+    let [k, yields] = [6000.0, 30_000.0];
+    let force = forces::buckles(&slow, k, yields, 0.6 * yields);
+    let a = alone(&slow, &force, [[k, 0.05 * k], [0.0, 10.0]], 4e-3);
+    assert_is_of(&a, &[Hysteresis, Family::Stiffness], "buckles");
     let fast = Moved::cycles(PEAK, 0.9);
     let force = forces::magnetic(&fast, 1.5);
     let a = alone(&fast, &force, [[0.5, 0.5], [2.6, 0.5]], 4e-3);

@@ -77,6 +77,30 @@ fn two_causes_of_like_size_are_both_named_and_leave_the_noise() {
     assert!(force.ci90[0] < force.value && force.value < force.ci90[1]);
 }
 
+/// A third one is no law of the specimen: the force is read late.
+#[test]
+fn three_causes_in_one_channel_are_all_named_and_leave_the_noise() {
+    let late = EffectSpec::new(Effect::ChannelSkew, &[("skew_ms", 3.0)]);
+    let [train, test] = rig::pair(&[&two_causes()[..], &[late]].concat(), 24);
+    let answer = specimen(&train, &test);
+    assert_eq!(answer.verdict, Verdict::Effect, "{:?}", answer.notes);
+    let mut three = [
+        Effect::CoulombFriction,
+        Effect::Hardening,
+        Effect::ChannelSkew,
+    ];
+    three.sort_by_key(|n| *n as usize);
+    assert_eq!(names(&answer), three);
+    let left = left_in_motion(&answer);
+    assert!(left < 1.2 * NOISE_N, "{left}");
+    let skew = answer
+        .effects
+        .iter()
+        .find(|e| e.name == Effect::ChannelSkew);
+    let skew = &skew.unwrap().parameters[0];
+    assert!((skew.value - 3.0).abs() < 0.2, "{skew:?}");
+}
+
 /// What a record holds between two instants.
 fn part(r: &Recording, seconds: std::ops::Range<f64>) -> Recording {
     let of = |x: &Vec<f64>| -> Vec<f64> {

@@ -93,6 +93,9 @@ fn what_a_mass_makes_of_the_displacements_noise_is_no_line_of_the_force() {
     assert!(lines.iter().all(|hz| (hz - 112.0).abs() > 2.0), "{lines:?}");
     assert!(a.notes.iter().all(|n| !n.contains("112")), "{:?}", a.notes);
     assert_eq!(a.verdict, Verdict::None, "{:?}", a.notes);
+    // It stays where it is, and does not walk to the end of its tolerance.
+    let saved = d.improved.specimen.as_ref().unwrap().mass_kg.unwrap();
+    assert!((saved.value - 85.0).abs() < 0.6, "{saved:?}");
 }
 
 /// A soft spring beside friction that holds most of the force, in a loop that never rests.

@@ -65,6 +65,45 @@ fn a_lag_far_outside_its_tolerance_is_the_cause_and_nothing_else_gets_the_credit
     assert!(a.error_after.test_rms < 1.5 * a.noise_floor_rms);
 }
 
+/// Nothing is recorded any more after so many seconds.
+fn cut_off(r: &mut Recording, seconds: f64) {
+    let n = r.time_s.partition_point(|t| *t < seconds);
+    r.time_s.truncate(n);
+    for signal in [&mut r.command_mm, &mut r.displacement_mm, &mut r.force_n] {
+        signal.as_mut().unwrap().truncate(n);
+    }
+}
+
+/// On a record that took no part in it, whatever the declared numbers are, and however little of the motion there is to learn from.
+#[test]
+fn a_refit_is_never_worse_than_what_was_declared() {
+    let mut better = 0;
+    for seed in 40..52_u64 {
+        let off = |k: u64| (seed * (2 * k + 7) % 11) as f64 / 5.0 - 1.0;
+        let truth = [
+            1000.0 + 9.0 * off(0),
+            5.0 + 0.45 * off(1),
+            22.0 + 0.9 * off(2),
+        ];
+        let [mut train, test] = [2 * seed, 2 * seed + 1].map(|s| [record(&[], truth, s)]);
+        if seed % 2 == 0 {
+            // With two seconds of rest in front.
+            cut_off(&mut train[0], 4.0 + (seed % 5) as f64);
+        }
+        let d = diagnose(&model(), &train, &test, &[]).unwrap();
+        for a in &d.channels {
+            let [declared, refitted] = [a.error_declared, a.error_before].map(|e| e.test_rms);
+            println!("{seed} {:?}: {declared:.5} -> {refitted:.5}", a.channel);
+            assert!(
+                refitted <= 1.002 * declared,
+                "{seed}: {declared} {refitted}"
+            );
+            better += usize::from(refitted < 0.99 * declared);
+        }
+    }
+    assert!(better > 8, "{better} of 24 are better");
+}
+
 /// Another axis moves the piston, too: it follows no command of this one.
 fn pushed(mut r: Recording, seed: u32) -> Recording {
     let x = r.displacement_mm.as_mut().unwrap();

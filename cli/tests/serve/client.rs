@@ -73,7 +73,8 @@ impl Client {
     pub fn connect(address: &str, header: &[i32]) -> Self {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.set_nodelay(true).unwrap();
-        let timeout = Some(Duration::from_secs(20));
+        // For an answer that does not come: a slow machine takes half a minute for the longest move of an emulated board.
+        let timeout = Some(Duration::from_secs(180));
         stream.set_read_timeout(timeout).unwrap();
         let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
         stream.write_all(&bytes).unwrap();

@@ -125,6 +125,25 @@ pub fn slip_lock(m: &Moved, yields: f64, level: f64, slip: f64) -> Vec<f64> {
     })
 }
 
+/// A brace: in tension it yields, in compression it buckles, carries less the farther it bends, and is soft until it is straight again.
+pub fn buckles(m: &Moved, k: f64, yields: f64, buckles: f64) -> Vec<f64> {
+    const BENDS_MM: f64 = 10.0;
+    let (mut f, mut bent) = (0.0_f64, 0.0_f64);
+    m.along(|_, dx| {
+        f += k * dx / (1.0 + 6.0 * bent / BENDS_MM);
+        let carries = buckles * (0.35 + 0.65 * (-bent / BENDS_MM).exp());
+        if f < -carries {
+            f = -carries;
+            bent -= dx.min(0.0);
+        }
+        if f > 0.8 * yields {
+            bent = (bent - 2.0 * dx.max(0.0)).max(0.0);
+        }
+        f = f.min(yields);
+        f
+    })
+}
+
 /// Peak-oriented and pinched: reloading stays at a share `low` of the peak's force up to half of the peak, and then aims at it.
 pub fn pinched(m: &Moved, k: f64, level: f64, low: f64) -> Vec<f64> {
     let yields = level / k;

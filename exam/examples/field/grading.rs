@@ -53,20 +53,22 @@ impl Vouched {
     }
 }
 
+/// What the examinee gets of a record.
+pub fn recording(name: &str, r: &exam::Record, before: Option<Box<Recording>>) -> Recording {
+    let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
+    Recording {
+        name: name.into(),
+        time_s: r.time_s.clone(),
+        command_mm: column(&r.command_mm),
+        displacement_mm: column(&r.displacement_mm),
+        force_n: column(&r.force_n),
+        before,
+        ..Recording::default()
+    }
+}
+
 /// What the examinee gets of the records.
 pub fn recordings(field: &Field) -> [Recording; 2] {
-    let recording = |name: &str, r: &exam::Record, before: Option<Box<Recording>>| {
-        let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
-        Recording {
-            name: name.into(),
-            time_s: r.time_s.clone(),
-            command_mm: column(&r.command_mm),
-            displacement_mm: column(&r.displacement_mm),
-            force_n: column(&r.force_n),
-            before,
-            ..Recording::default()
-        }
-    };
     let span = |name: &str, s: &Span| {
         let before = s.before.as_ref().map(|r| recording(name, r, None));
         recording(name, &s.record, before.map(Box::new))

@@ -1,7 +1,7 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --hidden | --settle=N]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --hidden | --third | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
@@ -10,6 +10,7 @@
 //! `--evidence` lists each name that was given for sure, whether it is false, what its model leaves of the error, and its `q`.
 //! `--noise` compares the noise that is stated of the records without a rest with the true one.
 //! `--hidden` compares what the best sound ram leaves of a faulty one's record with the noise: the least that can be found.
+//! `--third` has each specimen play a third motion, and compares what the model that was found leaves of it with the noise.
 //! `--settle=100` plays what `--next` designs on the first hundred rigs whose first record is ambiguous, twice at most, and what the
 //! notes advise.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
@@ -18,6 +19,7 @@ mod grading;
 mod hidden;
 mod noise;
 mod settle;
+mod third;
 
 use exam::aims::{self, Aim, Figure};
 use exam::devices::{devices, set_device};
@@ -81,6 +83,14 @@ fn main() {
     }
     if arguments.iter().any(|a| a == "--hidden") {
         hidden::all(seeds, list);
+        return;
+    }
+    if arguments.iter().any(|a| a == "--third") {
+        assert!(
+            one == 0 && !in_worlds,
+            "--third plays on field rigs only: leave out --devices, --rams and --worlds"
+        );
+        third::all(seeds, list);
         return;
     }
     let wanted = arguments

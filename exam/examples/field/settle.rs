@@ -1,6 +1,6 @@
 //! Whether designed tests settle what a first record leaves open, beside tests by the diagnosis' own fixed advice.
 
-use crate::grading::{model, recordings, said};
+use crate::grading::{model, recording, recordings, said};
 use diagnosis::{Diagnosis, Model, Recording, RigLimits, Verdict};
 use exam::aims::{self, Figure};
 use exam::field::{Field, Limits, Mark, Said, Stand, Truth, set_field};
@@ -98,16 +98,8 @@ fn limited(field: &Field) -> Model {
 }
 
 fn play(field: &Field, command: &[f64], interval_s: f64, test: usize) -> Recording {
-    let r = stand(field).play(command, interval_s, 1 + test as u64);
-    let column = |x: Vec<f64>| (!x.is_empty()).then_some(x);
-    Recording {
-        name: format!("test {test}"),
-        time_s: r.time_s,
-        command_mm: column(r.command_mm),
-        displacement_mm: column(r.displacement_mm),
-        force_n: column(r.force_n),
-        ..Recording::default()
-    }
+    let record = stand(field).play(command, interval_s, 1 + test as u64);
+    recording(&format!("test {test}"), &record, None)
 }
 
 /// What the notes of a set advise without knowing the rig: a chirp, or two amplitudes at two rates with stops at the

@@ -131,6 +131,8 @@ pub(super) struct Rig {
     shape: [f64; 3],
     /// Frequencies and phases of what comes from elsewhere.
     lines: Vec<[f64; 2]>,
+    /// What the mass is more than declared, kg: its force is that share of the spring's in the first motion.
+    more_mass_kg: Option<f64>,
 }
 
 impl Rig {
@@ -158,6 +160,7 @@ impl Rig {
                     ]
                 })
                 .collect(),
+            more_mass_kg: None,
         }
     }
 
@@ -175,7 +178,7 @@ impl Rig {
         (0.5 + 1.5 * self.shape[1]) * self.size * self.damping_unit()
     }
 
-    pub(super) fn force(&self, x: &[f64], dice: &mut Dice) -> Vec<f64> {
+    pub(super) fn force(&mut self, x: &[f64], dice: &mut Dice) -> Vec<f64> {
         let v = derivative(x);
         let a = derivative(&v);
         let [k, c, m] = self.linear;
@@ -185,8 +188,8 @@ impl Rig {
             c += self.size * self.damping_unit();
         }
         if self.cause == Cause::MoreMass {
-            let inertia = rms(&a).max(f64::MIN_POSITIVE);
-            m += 1e3 * self.size * k * rms(x) / inertia;
+            let share = || 1e3 * self.size * k * rms(x) / rms(&a).max(f64::MIN_POSITIVE);
+            m += *self.more_mass_kg.get_or_insert_with(share);
         }
         (0..x.len())
             .map(|i| k * x[i] + c * v[i] + 1e-3 * m * a[i] + more[i])

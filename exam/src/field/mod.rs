@@ -211,6 +211,6 @@ fn output(record: &Record) -> &[f64] {
 }
 
 /// rms of the difference of two signals.
-pub(crate) fn rms_apart(a: &[f64], b: &[f64]) -> f64 {
+pub fn rms_apart(a: &[f64], b: &[f64]) -> f64 {
     rms(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }

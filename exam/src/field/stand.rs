@@ -57,7 +57,7 @@ impl Stand {
 
     /// What is read of a motion, and what a perfect reading would be.
     pub(super) fn read(&mut self, moved: &Moved, dice: &mut Dice) -> [Record; 2] {
-        let (x, command, force) = match &self.machine {
+        let (x, command, force) = match &mut self.machine {
             Machine::Specimen(rig) => (moved.x.clone(), None, Some(rig.force(&moved.x, dice))),
             Machine::Actuator(rig) => (rig.displacement(&moved.x, dice), Some(&moved.x[..]), None),
             Machine::Ram(ram) => (ram.displacement(&moved.x), Some(&moved.x[..]), None),
@@ -82,6 +82,12 @@ impl Stand {
 
     /// The record of a command that is given every `interval_s`: the same rig, rate, noise and range.
     pub fn play(&self, command_mm: &[f64], interval_s: f64, seed: u64) -> Record {
+        let [record, _] = self.play_with_truth(command_mm, interval_s, seed);
+        record
+    }
+
+    /// The same, and what a perfect reading of it would be.
+    pub fn play_with_truth(&self, command_mm: &[f64], interval_s: f64, seed: u64) -> [Record; 2] {
         let seconds = command_mm.len().saturating_sub(1) as f64 * interval_s;
         let n = (seconds * FINE_HZ) as usize;
         let x: Vec<f64> = (0..n)
@@ -93,8 +99,7 @@ impl Stand {
             from: 0,
             rate_hz: self.rate_hz,
         };
-        let [record, _] = self.clone().read(&moved, &mut Dice::new(seed));
-        record
+        self.clone().read(&moved, &mut Dice::new(seed))
     }
 }
 
