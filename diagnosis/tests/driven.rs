@@ -7,6 +7,7 @@ use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 const H: f64 = 2e-3;
@@ -252,6 +253,29 @@ fn a_pump_that_is_too_small_limits_the_speed() {
     let (a, _) = asked(make);
     assert!(named(&a).contains(&Effect::RateLimit), "{:?}", named(&a));
     assert!(a.error_after.test_rms < 0.2 * a.error_before.test_rms);
+}
+
+#[test]
+fn a_supply_that_sags_is_no_sound_ram_and_has_no_name() {
+    // What the piston has moved lately takes of its speed, in proportion: another law than the root of a pressure.
+    let make = |seed| {
+        let (drawn, before) = (Cell::new(0.0), Cell::new(0.0));
+        let valve = |e: f64, _: f64| e / 0.02 * (1.0 - 1e-3 * drawn.get());
+        let reads = |x: f64| {
+            let speed = (x - before.replace(x)).abs() / H;
+            drawn.set(drawn.get() + H / 0.3 * (speed - drawn.get()));
+            x
+        };
+        record(seed, 10.0, valve, reads)
+    };
+    let (a, _) = asked(make);
+    assert_eq!(a.verdict, Verdict::Unknown, "{a:?}");
+    assert!(a.unnamed.is_some_and(|p| p > 0.72), "{:?}", a.unnamed);
+    assert!(
+        a.notes.iter().any(|n| n.contains("supply")),
+        "{:?}",
+        a.notes
+    );
 }
 
 /// A second axis shakes the transducer at these frequencies: no input tells it.

@@ -211,7 +211,11 @@ fn each_name_has_a_probability() {
             .iter()
             .all(|e| e.p.is_some_and(|p| (0.0..=1.0).contains(&p)))
     );
-    // Free functions are asked of a specimen; of an actuator nothing without a name is.
+    // Of a specimen free functions have no name, of an actuator a supply that sags: this one has none.
     assert!(a.unnamed.is_some_and(|p| (0.0..=1.0).contains(&p)));
-    assert_eq!(d.channels[0].unnamed, None);
+    assert!(
+        d.channels[0].unnamed.is_some_and(|p| p < 0.2),
+        "{:?}",
+        d.channels[0].unnamed
+    );
 }

@@ -18,7 +18,7 @@ use crate::prepare::known::without_known;
 use crate::prepare::noise::hum::without_hum;
 use crate::prepare::noise::{Noise, NoiseSource};
 use crate::record::recording::Recording;
-use plant::Effect;
+use plant::{Channel, Effect};
 
 /// The low-pass of a displacement is nothing from so many times its cut-off on.
 const PASSES: f64 = 1.3;
@@ -48,6 +48,10 @@ struct ChannelData<'a, A> {
     /// Below this share of the output is what any device of its kind leaves of a model that has what all of them have.
     ordinary: f64,
 }
+
+/// What has no name of an actuator.
+const SAGS: &str = "The ram is slower for some tenths of a second after it has moved fast, as where the supply's pressure sags: look at the \
+                    accumulator, the pump and the pressure at the valve.";
 
 impl<A: Asked> ChannelData<'_, A> {
     /// Whether what the declared model leaves is so little that no name stands: within the class of a good transducer.
@@ -170,11 +174,15 @@ impl ChannelDiagnosis<'_> {
         let mut after = None;
         let plain = self.share(&channel.left(&found.nothing)?[0], self.train);
         let is_ordinary = channel.is_ordinary(plain);
+        let sags = found.unnamed.is_some_and(|p| p >= engine::SURE);
         match &found.said {
             Said::Nothing => {
                 answer.ordinary = is_ordinary && channel.data.is_of_higher_order(&found.nothing);
             }
-            _ if is_ordinary => answer.ordinary = true,
+            // A sound ram has a supply that does not sag.
+            said if is_ordinary && !(sags && matches!(said, Said::Unknown(_))) => {
+                answer.ordinary = true;
+            }
             said if channel.is_of_its_class(said, trained) => {}
             Said::Names(n) => {
                 let named = Given::new(&n.model, &n.names, false);
@@ -209,6 +217,9 @@ impl ChannelDiagnosis<'_> {
             *felt = own.map_or(*felt, |own| own.min(*felt));
         }
         answer.notes = advice::engine(&answer);
+        if sags && answer.verdict == Verdict::Unknown && self.base.channel == Channel::Actuator {
+            answer.notes.push(SAGS.into());
+        }
         answer.traces = self.engine_traces(&before[1], &kept[1]);
         answer.residuals = kept.clone();
         Some(answer)

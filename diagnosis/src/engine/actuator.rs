@@ -64,10 +64,22 @@ impl ActuatorModelFit {
         names
     }
 
+    /// Whether its supply sags, for which there is no name.
+    fn sags(&self) -> bool {
+        self.named.parts.iter().any(|p| p.kind == PartKind::Sag)
+    }
+
+    /// What it claims.
+    fn claims(&self) -> (Vec<Effect>, bool) {
+        (self.names(), self.sags())
+    }
+
     /// Whether it has fewer of the same names and is hardly worse.
     fn does_as_well(&self, other: &Self) -> bool {
         let (own, others) = (self.names(), other.names());
-        let part = !own.is_empty() && own.iter().all(|n| others.contains(n));
+        let part = !own.is_empty()
+            && own.iter().all(|n| others.contains(n))
+            && self.sags() <= other.sags();
         part && own.len() < others.len() && self.evidence.score() > other.evidence.score() - LACKS
     }
 }
@@ -95,7 +107,7 @@ impl<'a> ActuatorChannel<'a> {
         }
         // Where no lag is declared, a second one is the first, and it is no position loop.
         if base.values[2] == 0.0 {
-            kinds.retain(|k| !matches!(k, PartKind::SecondLag | PartKind::Load));
+            kinds.retain(|k| !matches!(k, PartKind::SecondLag | PartKind::Load | PartKind::Sag));
         }
         // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
         if !train.iter().all(|r| rest::spans(r).len() == 2) {
@@ -133,17 +145,17 @@ pub fn actuator(
     let best = all.first()?.evidence.score();
     let near = |f: &&ActuatorModelFit| f.evidence.score() > best - FAR_BELOW;
     let mut chosen: Vec<PartSet> = Vec::new();
-    let mut claimed: Vec<Vec<Effect>> = Vec::new();
+    let mut claimed: Vec<(Vec<Effect>, bool)> = Vec::new();
     for f in all.iter().filter(near) {
-        if chosen.len() < JUDGED && !claimed.contains(&f.names()) {
-            claimed.push(f.names());
+        if chosen.len() < JUDGED && !claimed.contains(&f.claims()) {
+            claimed.push(f.claims());
             chosen.push(f.fit.model.clone());
         }
     }
     // What comes nearest is told where nothing is probable, too.
     let alone = all.iter().filter(|f| f.names().len() == 1).take(ALONE);
     for f in alone {
-        if !claimed.contains(&f.names()) {
+        if !claimed.contains(&f.claims()) {
             chosen.push(f.fit.model.clone());
         }
     }
@@ -159,7 +171,7 @@ pub fn actuator(
     judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
     let candidates = judged.into_iter().map(|model| Candidate {
         names: model.names(),
-        nameless: false,
+        nameless: model.sags(),
         only_family: false,
         evidence: model.evidence,
         model,

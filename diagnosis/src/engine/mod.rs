@@ -51,7 +51,7 @@ pub use one_each::each;
 pub use posterior::Candidate;
 pub use score::KnownNoise;
 pub use specimen::{SpecimenData, SpecimenModelFit};
-pub use verdict::{Named, Said};
+pub use verdict::{Named, SURE, Said};
 
 use plant::{Effect, Family};
 use rayon::prelude::*;

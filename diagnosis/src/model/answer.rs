@@ -286,8 +286,8 @@ pub struct ChannelAnswer {
     pub alternatives: Vec<Effect>,
     /// Where it is ambiguous, how probable each member of the set is, the preferred one first.
     pub members: Vec<Member>,
-    /// How probable it is that something is missing that has no name here, as the search of the training data has it; none where no
-    /// rival without a name was asked: of an actuator, where the converter's steps are all that is left, and without a verdict.
+    /// How probable it is that something is missing that has no name here, as the search of the training data has it: of an actuator,
+    /// that its supply sags. None where the converter's steps are all that is left, and without a verdict.
     pub unnamed: Option<f64>,
     /// Whether `none` is said since what is left is what any sound position loop leaves beyond its delay and lag: an ordinary ram.
     pub ordinary: bool,

@@ -105,7 +105,7 @@ impl ActuatorData<'_> {
                 PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
-                PartKind::Load => continue,
+                PartKind::Load | PartKind::Sag => continue,
                 PartKind::Play => vec![("width_mm", width)],
                 // Behind gain and offset, as a model file has them.
                 PartKind::DeadBand => {
@@ -157,7 +157,7 @@ fn part_figures(
         PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
         PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
         PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
-        PartKind::Load => Vec::new(),
+        PartKind::Load | PartKind::Sag => Vec::new(),
         PartKind::Play | PartKind::DeadBand => {
             vec![("width_mm", "mm", a * gain, sa * gain)]
         }

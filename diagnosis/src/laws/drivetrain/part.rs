@@ -22,6 +22,9 @@ pub enum PartKind {
     /// The root of the pressure that a spring behind the piston leaves to the flow: its force a mm, over that which stalls the piston.
     /// Any ram with a specimen has it, so that it has no name.
     Load,
+    /// A supply that sags: the share of its pressure that a mean speed of 1 mm/s takes from the flow, s/mm, and the time after which the
+    /// accumulator has caught up, s. No sound ram has it, and the catalogue has no name for it.
+    Sag,
     /// Play behind the drive: its width, mm.
     Play,
     /// No answer to commands within a band: its width and its middle, mm.
@@ -65,7 +68,7 @@ pub struct ActuatorScales {
 
 impl PartKind {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
@@ -74,6 +77,7 @@ impl PartKind {
         Self::FlowLimit,
         Self::RateLimit,
         Self::Load,
+        Self::Sag,
         Self::Play,
         Self::DeadBand,
         Self::Stops,
@@ -86,10 +90,10 @@ impl PartKind {
         Self::GainDrift,
     ];
 
-    /// The name of the catalogue; none of what any sound ram has.
+    /// The name of the catalogue; none of what any sound ram has, and of a supply that sags.
     pub const fn effect(self) -> Option<Effect> {
         Some(match self {
-            Self::Load => return None,
+            Self::Load | Self::Sag => return None,
             Self::SecondLag => Effect::SecondLag,
             Self::OilColumn => Effect::OilColumn,
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Effect::AsymmetricActuator,
@@ -126,6 +130,7 @@ impl PartKind {
             Self::Stops => 6,
             Self::Compliance => 7,
             Self::Load => 8,
+            Self::Sag => 9,
         };
         // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
         let beside = |a, b| a == Self::Play && matches!(b, Self::Seal | Self::StickySeal);
@@ -160,6 +165,7 @@ impl PartKind {
                 | Self::FlowLimit
                 | Self::RateLimit
                 | Self::Load
+                | Self::Sag
                 | Self::Seal
                 | Self::StickySeal
         )
@@ -168,7 +174,12 @@ impl PartKind {
     /// What it costs, nats: how rarely it is met, and a little for each number.
     pub const fn price(self) -> f64 {
         match self {
-            Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 3.7,
+            Self::OilColumn
+            | Self::Sag
+            | Self::Friction
+            | Self::Seal
+            | Self::Drift
+            | Self::GainDrift => 3.7,
             Self::StickySeal => 4.5,
             Self::DeadBand => 3.3,
             Self::Load => 1.0,
@@ -196,6 +207,7 @@ impl PartKind {
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
             Self::Load => [0.05, 0.2].map(|l| shapes([l / s.x_mm])).to_vec(),
+            Self::Sag => vec![shapes([0.1 / s.speed_mm_per_s, 0.3])],
             // The reading's own size is what they leave of the motion: they may be wider than that.
             Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
             Self::Stops => {
@@ -226,7 +238,7 @@ impl PartKind {
     /// How many of the shapes there are.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::OilColumn | Self::DeadBand | Self::Stops | Self::Seal => 2,
+            Self::OilColumn | Self::DeadBand | Self::Stops | Self::Seal | Self::Sag => 2,
             Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
             _ => 1,
@@ -245,6 +257,8 @@ impl PartKind {
             (Self::FlowLimit, _) => [0.05 * s.opening_mm, 2.0 * s.opening_mm],
             (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
             (Self::Load, _) => [0.0, 0.8 / s.x_mm],
+            (Self::Sag, 0) => [0.0, 1.5 / s.speed_mm_per_s],
+            (Self::Sag, _) => [0.1, 1.0],
             (Self::DeadBand, 1) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
@@ -267,6 +281,8 @@ impl PartKind {
             (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
             (Self::TwoSpeeds, _) => 1e-3,
             (Self::Load, _) => 1e-3 / s.x_mm,
+            (Self::Sag, 0) => 1e-3 / s.speed_mm_per_s,
+            (Self::Sag, _) => 1e-2,
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
             (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
             (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,

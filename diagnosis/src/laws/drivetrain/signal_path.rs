@@ -109,6 +109,8 @@ impl SignalPath {
         let dt = h / substeps;
         let mut ram = Ram::at(input[0]);
         let mut oil = input[0];
+        let mut drawn = 0.0;
+        let [sags, sag_s] = flow.sag;
         let mut out = Vec::with_capacity(input.len());
         out.push(ram.at_mm);
         for pair in input.windows(2) {
@@ -116,9 +118,13 @@ impl SignalPath {
             for k in 0..substeps as usize {
                 let u = pair[0] + rise * k as f64;
                 // Midpoint rule.
-                let begins = flow.at(u - ram.at_mm, ram.at_mm);
+                let begins = flow.at(u - ram.at_mm, ram.at_mm, sags * drawn);
                 let half = seal.hold(ram, oil + 0.5 * dt * begins, 2.0 / dt);
-                oil += dt * flow.at(u + 0.5 * rise - half.at_mm, half.at_mm);
+                let speed = flow.at(u + 0.5 * rise - half.at_mm, half.at_mm, sags * drawn);
+                oil += dt * speed;
+                if sags > 0.0 {
+                    drawn += dt / sag_s * (speed.abs() - drawn);
+                }
                 ram = seal.hold(ram, oil, 1.0 / dt);
             }
             out.push(ram.at_mm);
@@ -211,6 +217,8 @@ struct Flow {
     most: f64,
     /// 1/mm.
     load: f64,
+    /// What a speed takes of the supply, s/mm, and the time that this lasts, s.
+    sag: [f64; 2],
     per_lag: f64,
 }
 
@@ -227,18 +235,24 @@ impl Flow {
             saturates_mm: of(PartKind::FlowLimit, f64::INFINITY),
             most: of(PartKind::RateLimit, f64::INFINITY),
             load: of(PartKind::Load, 0.0),
+            sag: parts
+                .iter()
+                .find(|p| p.kind == PartKind::Sag)
+                .map_or([0.0, 1.0], |p| [p.shapes[0], p.shapes[1]]),
             per_lag: 1.0 / lag_s,
         }
     }
 
-    /// Speed of the oil behind an opening where the piston stands, mm/s.
+    /// Speed of the oil behind an opening where the piston stands, mm/s; `low`: the share of the supply that is missing.
     #[inline]
-    fn at(&self, opening_mm: f64, at_mm: f64) -> f64 {
+    fn at(&self, opening_mm: f64, at_mm: f64, low: f64) -> f64 {
         let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
         e *= (1.0 + self.unequal_areas * e).max(0.1);
         e += self.two_speeds * e.abs();
-        if self.load > 0.0 {
-            e *= (1.0 - self.load * at_mm * e.signum()).max(0.01).sqrt();
+        if self.load > 0.0 || low > 0.0 {
+            e *= (1.0 - low - self.load * at_mm * e.signum())
+                .max(0.01)
+                .sqrt();
         }
         if self.saturates_mm.is_finite() {
             // The hyperbolic tangent by one exponential, which is what most of the time goes into.
