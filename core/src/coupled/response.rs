@@ -5,8 +5,8 @@ use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::Structure;
 
-/// What an observer of degree of freedom `axis` is configured with: the lowest modes of `structure`, their damping ratios
-/// `phi^T C phi / 2 omega` and their parts in the axis' acceleration, `-phi_axis phi^T M iota` for mass-normalised `phi`.
+/// Observer settings for degree of freedom `axis`: the lowest modes of `structure`, damping ratios
+/// `phi^T C phi / 2 omega` and parts in the axis' acceleration, `-phi_axis phi^T M iota` for mass-normalised `phi`.
 ///
 /// `noise` is the target's noise, m (or rad) rms; `process_per_s2` the white acceleration besides the ground's.
 ///
