@@ -22,11 +22,11 @@
 //! | `state.rs`, `name.rs`, `verdict.rs` | states, causes with their sides, sets, of all actuators together |
 //! | `hypothesis.rs`, `judge.rs`, `judge/naming.rs` | from hypotheses to causes: which side, which set, when |
 //!
-//! A cause is named when letting it alone go explains the residual far better than the declared tolerances do: twice the
-//! logarithm of the likelihood ratio above 12, a value beyond its tolerance by two standard deviations, 70 % of the residual
-//! explained, three times in a row (150 ms), twelve times where that began in the first second. While the specimen unloads it is
-//! 48 and five deviations, or less beside a slope and a lateness that the same test had learnt. An offset that is named and goes on
-//! moving is a drift. A force that does not move where an elastic specimen has been before stands. A motion that tells nothing of a cause gives it no freedom, and so no name.
+//! A cause is named if freeing it alone explains the residual far better than the declared tolerances do: twice the
+//! log-likelihood ratio above 12, a value two standard deviations beyond its tolerance, 70 % of the residual explained,
+//! three times in a row (150 ms), twelve if that began in the first second. In unloading: 48 and five deviations, or
+//! less relative to a slope and lateness learnt in the same test. A named offset that keeps moving is a drift. A force
+//! that stays constant where an elastic specimen has been before is frozen. A cause that the motion hides has no name.
 //! Yielding is no cause: displacement to force is judged during unloading, when every specimen is elastic. Nor is
 //! hardening, softening or degradation: if a stiffness that depends on the displacement, or that falls slowly or with
 //! the largest motion, explains the deviation best, nothing is named.

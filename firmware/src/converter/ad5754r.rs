@@ -70,7 +70,7 @@ impl Ad5754r {
         dac
     }
 
-    /// It was set up when the chip started, and has held its voltages: nothing is written where nobody knows what to.
+    /// True if it was set up when the chip started, and has held its voltages: nothing unknown is ever written.
     pub fn has_held(&self) -> bool {
         self.held
     }

@@ -41,7 +41,7 @@ impl Ad5761r {
         dac
     }
 
-    /// True if it was set up when the chip started, and has held its voltage: without a known value nothing is written.
+    /// True if it was set up when the chip started, and has held its voltage: nothing unknown is ever written.
     pub fn has_held(&self) -> bool {
         self.held
     }

@@ -1,4 +1,4 @@
-//! The outer loop for the number of degrees of freedom and the rig that a test has.
+//! The outer loop for a test's rig and number of degrees of freedom.
 
 use super::rehearsal::rehearse;
 use link::command::BoardTest;
@@ -6,12 +6,12 @@ use link::command::BoardTest;
 use outerloop_core::coupled::{CoupledRig, CoupledSettings};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
-/// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
+/// The most degrees of freedom of a test on a board: those with an actuator, and calculated ones.
 pub const MAX_DOF: usize = 3;
 
 /// An outer loop.
 #[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant)] // There is no heap, and a test of one storey leaves the room of the others unused.
+#[allow(clippy::large_enum_variant)] // There is no heap, and a test of one storey leaves the other variants' space unused.
 pub enum AnyLoop {
     /// One degree of freedom.
     One(OuterLoop<1>),
@@ -19,12 +19,12 @@ pub enum AnyLoop {
     Two(OuterLoop<2>),
     /// Three.
     Three(OuterLoop<3>),
-    /// x and rotation of a coupler that two actuators hold. Only images with as many actuators have it.
+    /// x and rotation of a coupler held by two actuators. Only images with that many actuators have it.
     #[cfg(coupled)]
     Coupled(OuterLoop<2, CoupledRig>),
 }
 
-/// By itself: what it is worked out with must not lie on the stack beside the loop that is made of it.
+/// Separate, so that its construction data are not on the stack beside the finished loop.
 #[cfg(coupled)]
 #[inline(never)]
 fn coupled_design(
@@ -34,7 +34,7 @@ fn coupled_design(
     Design::coupled(config, coupled)
 }
 
-/// Does `$body` with the loop, of whatever size.
+/// Evaluates `$body` with the loop, whatever its size.
 macro_rules! each_loop {
     ($any:expr, $outer:ident => $body:expr) => {
         match $any {
@@ -63,7 +63,7 @@ impl AnyLoop {
         }
     }
 
-    /// The loop of another test in the place of this one, which stays where the test is refused.
+    /// Replaces this loop by that of another test; it stays if the test is refused.
     ///
     /// # Errors
     /// The first parameter that is not accepted.

@@ -1,4 +1,4 @@
-//! What runs on every board around the outer loop, without a pin or a register: it is tested on this machine.
+//! Everything that runs on every board around the outer loop, without a pin or a register: it is tested on the PC.
 //!
 //! ```text
 //!  control interrupt   period: sample ─► step ─► command ─► report; then one order (carry_out)

@@ -16,7 +16,7 @@ pub const TICKS_PER_US: u32 = TIMER_HZ / 1_000_000;
 pub struct Period(Timer<'static, TIM2>);
 
 impl Period {
-    /// Stopped, with TIM4 behind it, whose channel 1 is high from `output_delay_us` after each update for an eighth of that.
+    /// Stopped, with TIM4 after it, whose channel 1 is high from `output_delay_us` after each update, for 1/8 of that.
     pub fn new(
         tim2: Peri<'static, TIM2>,
         tim4: Peri<'static, TIM4>,
