@@ -11,7 +11,7 @@ pub const MAX_DOF: usize = 3;
 
 /// An outer loop.
 #[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant)] // There is no heap, and a test of one storey leaves the other variants' space unused.
+#[allow(clippy::large_enum_variant)] // There is no heap; a test of one storey wastes the other variants' space.
 pub enum AnyLoop {
     /// One degree of freedom.
     One(OuterLoop<1>),
@@ -94,7 +94,7 @@ impl AnyLoop {
         Ok(())
     }
 
-    /// Not inlined: a loop is a sixth of the stack, and what it passes through must not add up.
+    /// Not inlined: a loop is a sixth of the stack, and its temporaries must not add up.
     #[inline(never)]
     fn put<const N: usize>(
         &mut self,
@@ -114,11 +114,11 @@ impl AnyLoop {
         Ok(wrap(OuterLoop::new(Design::new(config)?)))
     }
 
-    /// Takes an event.
+    /// Handles an event.
     ///
     /// # Errors
-    /// As [`OuterLoop::handle`].
-    #[inline(never)] // Inlined for every number of floors, the stack would hold what each of them needs.
+    /// See [`OuterLoop::handle`].
+    #[inline(never)] // Inlined for every number of floors, the stack would hold the needs of each.
     pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
         each_loop!(self, outer => outer.handle(event))
     }
@@ -130,7 +130,7 @@ impl AnyLoop {
         each_loop!(next, outer => outer.take_over(obstacle, last_test));
     }
 
-    /// Takes the targets of the next test from the PC, or from the loop's own integration.
+    /// Takes the next test's targets from the PC, or from the loop's own integration.
     pub fn set_pace(&mut self, pace: Option<Pace>) {
         each_loop!(self, outer => outer.set_pace(pace));
     }
@@ -140,12 +140,12 @@ impl AnyLoop {
         each_loop!(self, outer => outer.set_next_target(on_axes(target_m)));
     }
 
-    /// Has the tests to come watched; `corrects`: command and reading may be corrected.
+    /// Turns on the watch of coming tests; `corrects`: command and reading may be corrected.
     pub fn watch(&mut self, corrects: bool) {
         each_loop!(self, outer => outer.watch(corrects));
     }
 
-    /// Where the test stands.
+    /// The mode of the test.
     pub fn mode(&self) -> Mode {
         each_loop!(self, outer => outer.mode())
     }
@@ -164,8 +164,7 @@ impl AnyLoop {
         });
     }
 
-    /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was
-    /// built.
+    /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as built.
     #[inline(never)]
     pub fn rehearse(&mut self, now: fn() -> u32) -> u32 {
         each_loop!(self, outer => rehearse(outer, now))
@@ -192,7 +191,7 @@ fn too_many(floors: usize) -> Refusal {
     }
 }
 
-/// Of an image that has no loop for two coupled actuators.
+/// For an image that has no loop for two coupled actuators.
 pub(super) fn not_coupled() -> Refusal {
     Refusal {
         name: "coupled",

@@ -76,7 +76,7 @@ impl PartialEq for Laid {
     }
 }
 
-/// The right to read a whole ground motion. How it is laid over the steps is kept twice: one bit of its pace is another earthquake.
+/// The right to read a whole ground motion. Its mapping is kept twice: one wrong bit of its pace is another earthquake.
 pub struct Loaded {
     memory: &'static Points,
     motion: Twice<Laid>,
@@ -95,7 +95,7 @@ impl Loaded {
         self.motion.agreed().is_some()
     }
 
-    /// Corrupts one of the copies: the result is no ground motion.
+    /// Corrupts one of the copies: it then describes no ground motion.
     #[cfg(not(target_os = "none"))]
     pub fn spoil(&mut self, copy: usize) {
         if let Some(laid) = self.motion.both().get_mut(copy) {

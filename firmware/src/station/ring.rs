@@ -29,7 +29,7 @@ pub struct Ring<const BYTES: usize> {
 }
 
 impl<const BYTES: usize> Ring<BYTES> {
-    /// The last saved record; `None` if it was whole once but no longer is: the one before it is a different one.
+    /// The last saved record; `None` if it was whole once but is damaged: an older one must not take its place.
     pub fn load<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
         let (slot, sequence, kept) = self.newest(flash)?;
         let is_last = !T::MARKED || !self.has_lost::<T>(flash, (slot, sequence));
@@ -103,8 +103,8 @@ impl<const BYTES: usize> Ring<BYTES> {
         written
     }
 
-    /// Searches a sector from its end, and stops at the first whole record: checking a full sector's sums would keep
-    /// the tasks longer than step reports can wait.
+    /// Starts at a sector's end, and reads no older record in full: checking a full sector's sums would keep the tasks
+    /// longer than step reports can wait.
     #[inline(never)] // Only one copy in an image, for load and save.
     fn newest<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
         let mut newest: Option<(u32, u32, T)> = None;
