@@ -1,7 +1,7 @@
 //! Duration of the step, counted on the chip.
 
-/// What correcting command and reading may add to a step of three actuators, cycles, by the model of the chip's cycles: held by
-/// `cargo tests --test qemu what_the_watch_costs_a_step`. Where the linker puts the code moves it by some 35.
+/// Most cycles that correcting command and reading may add to a step of three actuators, by the model of the chip's
+/// cycles: see `cargo tests --test qemu what_the_watch_costs_a_step`. Code placement by the linker moves it by some 35.
 pub const CORRECTION_CYCLES: u32 = 350;
 
 /// Worst and mean time of a step, and the number of late ones.

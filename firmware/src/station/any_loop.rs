@@ -123,7 +123,7 @@ impl AnyLoop {
         each_loop!(self, outer => outer.handle(event))
     }
 
-    /// What stands against arming this loop stands against arming the one that takes its place, which counts its tests on.
+    /// An obstacle to arming this loop also obstructs the one that replaces it, which continues its count of tests.
     pub fn make_way_for(&self, next: &mut Self) {
         let (obstacle, last_test) =
             each_loop!(self, outer => (outer.obstacle(), outer.last_test()));

@@ -263,7 +263,7 @@ impl<const A: usize> Station<A> {
         self.calibrations.agreed().is_some() && laid.is_none_or(Loaded::is_remembered)
     }
 
-    /// What the station has to report with the sample. A starved task means that nothing of the PC is received any more.
+    /// The fault to report with the sample. With a starved task nothing is received from the PC any more.
     fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,

@@ -1,4 +1,4 @@
-//! Sensors that contradict each other: two transducers of one displacement, and a force that stands while the specimen moves.
+//! Contradictory sensors: two transducers of one displacement, and a constant force while the specimen moves.
 
 use crate::hardware::Hardware;
 use link::command::BoardTest;
@@ -31,9 +31,9 @@ const MEAN_SHARE: f32 = 1.0 / 64.0;
 /// Fraction of noise left in such a mean: the square root of `MEAN_SHARE / (2 - MEAN_SHARE)`.
 const MEAN_OF_NOISE: f64 = 0.0887;
 
-/// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
-/// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
-/// declared noise widens it: a force that stands in more noise than that is one of a specimen that yields, as docs/hazards.md says.
+/// A force whose codes stay within this part of its converter's range is constant but for the converter's noise: two
+/// codes either way at 16 bits; at 12 bits the one code. A live load cell has more noise, even if a specimen yields.
+/// Declared noise does not widen it: a force constant within more noise is a yielding specimen's (docs/hazards.md).
 const STANDS_PART: u16 = 16_000;
 
 /// The limits of a test; the largest number if unchecked.
@@ -117,7 +117,7 @@ impl SensorLimits {
     }
 }
 
-/// The larger of the two actuators' forces on a coupler whose interface the specimen holds at `x_m`, without a rotation, N.
+/// The larger actuator force on a coupler whose interface the specimen holds at `x_m`, without rotation, N.
 fn largest_of_each_n(coupled: &CoupledSettings<2>, x_m: f64) -> f64 {
     let (all, numerical) = (
         &coupled.structure.stiffness,
@@ -400,7 +400,7 @@ mod tests {
         })
     }
 
-    /// Rest, and motions of all sizes, with noise of 10 um and 10 N; the limit 2 mm, the stiffness as declared, and a third of it.
+    /// Rest, and motions of all sizes, with noise of 10 um and 10 N; limit 2 mm; declared stiffness, and a third of it.
     #[test]
     fn a_sound_specimen_in_a_long_weak_motion_is_never_dead() {
         let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);

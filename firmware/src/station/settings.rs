@@ -62,7 +62,7 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
         Some(slot)
     }
 
-    /// The sequence number that the first bytes of a slot say, [`NUMBERED`] at least; `None` if they are of no such record.
+    /// The sequence number at the start of a slot, at least [`NUMBERED`] bytes; `None` if it is no such record.
     fn sequence(slot: &[u8]) -> Option<u32> {
         let (kind, rest) = slot.split_first_chunk::<4>()?;
         let sequence = u32::from_le_bytes(*rest.first_chunk()?);
@@ -131,8 +131,8 @@ impl Wiring {
         }
     }
 
-    /// The calibration, if it is of converters with `codes` and of so many `actuators`, means something, and is not what a board
-    /// goes by that nobody has calibrated: a test on the desk, or somebody who took a calibration back, may have left that.
+    /// The calibration, if it fits converters with `codes` and so many `actuators`, is valid, and is not the
+    /// placeholder of an uncalibrated board, which a test on the desk, or a withdrawn calibration, may have left.
     pub fn of(&self, codes: &CodeRange, actuators: usize) -> Option<Calibration> {
         let fits = *self == Self::new(self.calibration, codes, actuators);
         let means = self.calibration.is_made(codes) && self.calibration.check(codes).is_ok();

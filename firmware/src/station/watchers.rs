@@ -67,7 +67,7 @@ pub struct OrdersOf {
     pub orders: Orders<MAX_ACTUATORS>,
 }
 
-/// Orders on their way: of as many blocks as a test waits for, twice, since those of the test before may still be there.
+/// Orders in transit: twice the blocks that a test waits for, since those of the previous test may still be there.
 pub type OrdersQueue = Queue<OrdersOf, 32>;
 
 /// The interrupt's ends.
