@@ -270,8 +270,8 @@ impl Observer {
         }
     }
 
-    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives: those of the
-    /// modes weighted by `driven`, 0 to 1, to which the structure moves the target, otherwise the free mass's.
+    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives: a blend
+    /// of the modes', by the fraction `driven` (0 to 1) to which the structure moves the target, and the free mass's.
     pub fn update(
         &mut self,
         k: &ObserverConstants,

@@ -116,7 +116,7 @@ impl<const N: usize> Design<N, CoupledRig> {
         let constants = CoupledConstants {
             tracker,
             limits: settings.interface.map(|b| limits(&b, t.rate_hz)),
-            // As fast as the mean pin moves.
+            // Moves the pins as fast as x does, on average.
             turn_per_metre: 2.0 / (pins_m[1] - pins_m[0]).abs(),
         };
         Self::on_rig(config, structure, constants, [true, true])

@@ -84,7 +84,7 @@ mod tests {
     fn a_limit_is_in_doubt_where_it_explains_what_stands_out_about_as_well_as_the_best() {
         let in_doubt = |gain: f32, stroke: f32| {
             let mut answer = Answer::default();
-            // Zero deviation: the ratio is the square of the coefficient.
+            // With zero variance the ratio is the square of the coefficient.
             (answer.theta[1], answer.theta[6]) = (libm::sqrtf(gain), libm::sqrtf(stroke));
             Hypothesis::of(answer).is_limit_in_doubt(8.0)
         };

@@ -26,7 +26,7 @@
 //! log-likelihood ratio above 12, a value two standard deviations beyond its tolerance, 70 % of the residual explained,
 //! three times in a row (150 ms), twelve if that began in the first second. In unloading: 48 and five deviations, or
 //! less relative to a slope and lateness learnt in the same test. A named offset that keeps moving is a drift. A force
-//! that stays constant where an elastic specimen has been before is frozen. A cause that the motion hides has no name.
+//! constant where an elastic specimen has been before is frozen. A cause that the motion hides has no freedom, no name.
 //! Yielding is no cause: displacement to force is judged during unloading, when every specimen is elastic. Nor is
 //! hardening, softening or degradation: if a stiffness that depends on the displacement, or that falls slowly or with
 //! the largest motion, explains the deviation best, nothing is named.

@@ -5,7 +5,7 @@
 //!  PC ◄─ image   replies of `link`
 //!
 //!  PC ─► image   order, displacements, forces                            every control period
-//!  PC ─► image   a command of `link`, the event                          where the order announces one
+//!  PC ─► image   a command of `link`, the event                          if the order announces one
 //!  PC ◄─ image   its reply
 //!  PC ◄─ image   permission, commands, record                            every control period
 //!

@@ -207,7 +207,7 @@ mod tests {
                 let mut pair = ActuatorPair::new(&spec(), period);
                 let (mut re, mut im) = (0.0, 0.0);
                 for k in 0..2 * n {
-                    // A held command is half a sample late: the reference is shifted by that.
+                    // A held command is half a sample late, so it is sent that much earlier.
                     let phase = TAU * hz * period * f64::from(k);
                     let y = pair.strokes_m()[i];
                     if k >= n {

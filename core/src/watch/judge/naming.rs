@@ -96,7 +96,7 @@ impl Judge {
         let yields = looks_like(0) && looks_like(4);
         let yielded = || self.is_of_yielding(k, best);
         if regression == FORCE && (recent || yields || yielded()) {
-            // So has a specimen just after a new largest motion: it may do things that nobody declared.
+            // The same just after a new largest motion: the specimen may then do things that nobody declared.
             self.elastic = false;
             self.streaks[FORCE] = 0;
             self.answers.forget(FORCE);
