@@ -8,8 +8,8 @@
 //!  chip        what all chips of the family share (start, control interrupt, ways out, tasks), and one folder per chip
 //!  converter   external converters, according to their data sheets
 //!  board/X     one folder per board: what is wired to which pin, and its converters. bin/X: an image
-//!  sim         the board that the tests on this machine share
-//!  session     the QEMU image's talk with its driver
+//!  sim         the board shared by the tests on the PC
+//!  session     the QEMU image's protocol with its driver
 //! ```
 //!
 //! The station knows no pin and no board knows the algorithm. `src/bin` holds the images, built by `scripts/cross`. The

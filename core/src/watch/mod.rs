@@ -4,7 +4,7 @@
 //!  interrupt: the report of each step ─►┐
 //!  thread:    Taps: sums of a few steps ◄┘ run lengths ─► Block, 500 a second
 //!             Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
-//!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
+//!                   └► noise, hum, frozen sensors, play              20 times a second ─► hypotheses ─► state, set
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!

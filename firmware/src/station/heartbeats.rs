@@ -17,10 +17,10 @@ pub enum Heartbeat {
     Pc,
 }
 
-/// Time within which a task must have run, s. The tasks run every millisecond.
+/// Time within which a task must have run, s. The tasks show signs of life every 10 ms or more often.
 pub const TASK_TIMEOUT_S: f64 = 0.1;
 
-/// Time within which a frame must have come from the PC while the actuator may move, s. The PC asks for the status every 0.1 s.
+/// Time within which a PC frame must come while the actuator may move, s. The PC asks for the status every 0.1 s.
 pub const PC_TIMEOUT_S: f64 = 0.5;
 
 /// Longest accepted times without a heartbeat, in control steps.

@@ -386,7 +386,7 @@ mod tests {
     ) -> Option<u32> {
         let mut watch = SensorWatch::<1>::new();
         let mut dice = 1_u32;
-        // Two of the same size make some standard deviation of it.
+        // Uniform from -1 to 1: its standard deviation is 0.58.
         let mut noise = || {
             dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (dice >> 8) as f32 / 8_388_608.0 - 1.0

@@ -401,7 +401,7 @@ fn nothing_is_learnt_of_actuators_whose_valves_are_shut() {
     assert!(fastest_m.iter().all(|&m| m < 1e-4), "{fastest_m:?}");
 }
 
-/// Transducers that are 0.1 mm off, and a model of half of the structure that thinks for five seconds: a tenth of 1 mm would be the gain's.
+/// Transducers 0.1 mm off, and an external model that takes five seconds: a tenth of 1 mm would end up in the gains.
 #[test]
 fn nothing_is_learnt_of_a_rig_that_stands_at_its_target() {
     let settings = with_gains();

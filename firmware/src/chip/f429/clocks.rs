@@ -31,7 +31,7 @@ const RELOADS: u32 = 16;
 /// the clocks.
 const TIMEOUT_CYCLES: u32 = INTERNAL_HZ / 1000 * 60;
 
-/// Starts the watchdog with its longest time, some 0.5 s, and compares the external clock with the chip's own. The chip
+/// Starts the watchdog with its reset time, some 0.5 s, and compares the external clock with the chip's own. The chip
 /// must run on its own clock, as after a reset, and does so again afterwards.
 pub fn external_clock_is_right() -> bool {
     pac::IWDG.kr().write(|w| w.set_key(Key::START));
