@@ -62,7 +62,7 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
         Some(slot)
     }
 
-    /// The sequence number at the start of a slot, at least [`NUMBERED`] bytes; `None` if it is no such record.
+    /// The sequence number in a slot's first bytes, at least [`NUMBERED`] of them; `None` if it is no such record.
     fn sequence(slot: &[u8]) -> Option<u32> {
         let (kind, rest) = slot.split_first_chunk::<4>()?;
         let sequence = u32::from_le_bytes(*rest.first_chunk()?);

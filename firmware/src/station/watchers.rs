@@ -310,7 +310,7 @@ impl<'a> Watchers<'a> {
         })
     }
 
-    /// True if learning of the compensation is held.
+    /// True if the compensation's learning is held.
     pub(super) fn holds(&self) -> bool {
         { self.own.watches.iter() }.any(|watch| watch.axis_orders().hold)
     }

@@ -10,9 +10,9 @@
 //! | head acceleration | PC2 | CN10-9, A7 | ADC2 channel 12, rank 3; recorded only | 0 to 3.3 V |
 //! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
 //! | PERMIT pulse | PE14 | CN10-28, D38 | output | toggles in every step with PERMIT: for a relay that needs pulses |
-//! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: contact after PERMIT closed; or bridge to PE9 |
+//! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: chain closed; if there is none, bridge to PE9 |
 //! | emergency stop | PE11 | CN10-6, D5 | input with pull-up | low: closed contact to ground; high: pressed, or a broken wire |
-//! | step | PE13 | CN10-10, D3 | output | high from interrupt entry until the command is in the converter: a scope |
+//! | step | PE13 | CN10-10, D3 | output | for a scope: high from interrupt entry until the command is written |
 //! | hold | PC13 | on the board | input | the blue button: high while pressed; holds a running test |
 //! | LD1 green | PB0 | on the board | output | see `docs/wiring.md` |
 //! | LD2 blue | PB7 | on the board | output | PERMIT |

@@ -90,7 +90,7 @@ impl Service {
         self.watchers.named()
     }
 
-    /// True if learning of the compensation is held.
+    /// True if the compensation's learning is held.
     pub fn is_held(&self) -> bool {
         self.watchers.holds()
     }
