@@ -1,9 +1,9 @@
-//! Values on their way, with a delay that need not be a whole number of control steps.
+//! Values in transit, with a delay that need not be a whole number of control steps.
 
 /// The longest transport delay, in control steps.
 pub(crate) const MAX_DELAY_STEPS: usize = 128;
 
-/// Values on their way, for example commands to the actuator: a delay line with a fractional tap.
+/// Values in transit, for example commands to the actuator: a delay line with a fractional tap.
 #[derive(Clone, Debug)]
 pub(crate) struct DelayLine<const LENGTH: usize = MAX_DELAY_STEPS> {
     sent_m: [f32; LENGTH],
@@ -18,7 +18,7 @@ pub(crate) struct Delay {
 }
 
 impl Delay {
-    /// A delay in control steps, of at most the line's length less 2; the design has checked it.
+    /// A delay in control steps, at most the line's length minus 2, as checked by the design.
     pub fn new(steps: f64) -> Self {
         let steps = steps.clamp(0.0, (MAX_DELAY_STEPS - 2) as f64);
         Self {
@@ -47,7 +47,7 @@ impl<const LENGTH: usize> DelayLine<LENGTH> {
         }
     }
 
-    /// Takes in a command and gives the one that arrives now.
+    /// Takes a command and returns the one that arrives now.
     #[inline]
     pub fn pass(&mut self, delay: Delay, command_m: f32) -> f32 {
         self.newest = (self.newest + 1) % LENGTH;

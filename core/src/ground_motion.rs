@@ -2,7 +2,7 @@
 
 use crate::float::unlikely;
 
-/// A record and how it is laid over the integration steps. Cheap to copy; borrows its points.
+/// A record and its mapping onto the integration steps. Cheap to copy; borrows its points.
 ///
 /// ```
 /// use outerloop_core::GroundMotion;
@@ -17,12 +17,12 @@ pub struct GroundMotion<'a> {
     points_m_per_s2: &'a [f32],
     /// Points of the record in one integration step, times 2^32.
     points_per_step: u64,
-    /// Integration steps until the record has ended.
+    /// Integration steps until the end of the record.
     steps: u32,
 }
 
 impl<'a> GroundMotion<'a> {
-    /// Lays `points_m_per_s2`, `point_interval_s` apart, over integration steps of `model_step_s`.
+    /// Maps `points_m_per_s2`, `point_interval_s` apart, onto integration steps of `model_step_s`.
     ///
     /// Returns `None` unless both times are positive and finite and a step is at most 1000 points.
     pub fn new(
@@ -56,8 +56,8 @@ impl<'a> GroundMotion<'a> {
     /// Ground acceleration at integration step `step`, m/s^2; 0 after the end.
     #[inline]
     pub fn at(&self, step: u32) -> f32 {
-        // Time is an integer count of 2^-32 points: it cannot drift, however long the test.
-        // Within the record it cannot overflow, either.
+        // Time is an integer count of 2^-32 points: it cannot drift, however long the test, and within the record it
+        // cannot overflow.
         if step > self.steps {
             return unlikely(0.0);
         }
@@ -72,7 +72,7 @@ impl<'a> GroundMotion<'a> {
         here + fraction * (next - here)
     }
 
-    /// Whether it is the same memory, laid over the steps in the same way; the points are not compared.
+    /// Whether it is the same memory, mapped onto the steps in the same way; the points are not compared.
     #[inline]
     pub fn is(&self, other: &Self) -> bool {
         core::ptr::eq(self.points_m_per_s2, other.points_m_per_s2)
@@ -80,7 +80,7 @@ impl<'a> GroundMotion<'a> {
             && self.steps == other.steps
     }
 
-    /// Integration steps until the record has ended.
+    /// Integration steps until the end of the record.
     #[inline]
     pub fn steps(&self) -> u32 {
         self.steps

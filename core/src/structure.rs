@@ -34,8 +34,8 @@ pub struct Structure<const N: usize> {
 }
 
 impl<const N: usize> Structure<N> {
-    /// A shear frame, listed from the ground up: one mass and one storey stiffness a floor, one damping
-    /// ratio a mode, the lowest `physical` storeys in the laboratory.
+    /// A shear frame, listed from the ground up: one mass and one storey stiffness per floor, one damping ratio per
+    /// mode, the lowest `physical` storeys in the laboratory.
     ///
     /// # Errors
     /// Masses or stiffnesses that are not positive are refused by the validation of the configuration
@@ -71,8 +71,8 @@ impl<const N: usize> Structure<N> {
     }
 }
 
-/// Number of axes with an actuator: at most all, and at least one, which the design has checked. Every loop over axes
-/// asks for it: with a single axis the compiler then knows the number.
+/// Number of axes with an actuator: at most all, and at least one, as checked by the design. Every loop over axes uses
+/// it: with a single axis the compiler then knows the number.
 #[inline]
 pub(crate) fn actuated<const N: usize>(physical: usize) -> usize {
     if N == 1 { 1 } else { physical.min(N) }

@@ -1,7 +1,7 @@
-//! What each image for a chip consists of.
+//! The contents of each image for a chip.
 
-/// An image: the interrupt in which its control period runs, its board, how many actuators it has if not one, and the methods
-/// that it brings itself if there are any, as in `stm32_image!(ADC, WithInternal; own METHODS)`.
+/// An image: the interrupt of its control period, its board, the number of actuators if not one, and its own methods if
+/// there are any, as in `stm32_image!(ADC, WithInternal; own METHODS)`.
 #[cfg(feature = "stm32")]
 #[macro_export]
 macro_rules! stm32_image {
@@ -17,7 +17,7 @@ macro_rules! stm32_image {
 
             #[cortex_m_rt::entry]
             fn main() -> ! {
-                // The first to register is heard.
+                // The first registration wins.
                 $(let _ = $own.register();)?
                 boot::run::<$board, _>(&CONTROL)
             }
@@ -44,14 +44,14 @@ macro_rules! stm32_image {
     };
 }
 
-/// The image for QEMU, with the methods that it brings itself if there are any: `qemu_image!(own METHODS)`.
+/// The image for QEMU, with its own methods if there are any: `qemu_image!(own METHODS)`.
 #[cfg(all(target_os = "none", feature = "qemu"))]
 #[macro_export]
 macro_rules! qemu_image {
     ($(own $own:expr)?) => {
         #[cortex_m_rt::entry]
         fn main() -> ! {
-            // First of all: `entry` hands it out once, as a reference.
+            // Declared first: `entry` hands it out once, as a reference.
             static mut POINTS: [f32; $crate::board::qemu::image::MAX_POINTS] =
                 [0.0; $crate::board::qemu::image::MAX_POINTS];
             $(let _ = $own.register();)?

@@ -3,20 +3,20 @@
 //! # Map
 //!
 //! ```text
-//!  station     what runs on every board: the control period (station/period.rs), commands, upload, calibration, limits
-//!  hardware    what it requires of a board: one trait
-//!  chip        what all chips of the family share (start, control interrupt, ways out, tasks), and a folder a chip
-//!  converter   external converters, by their data sheets
-//!  board/X     one folder a board: what is wired to which pin, and what it samples with. bin/X: an image
-//!  sim         the board that the tests on this machine share
-//!  session     the QEMU image's talk with its driver
+//!  station     runs on every board: the control period (station/period.rs), commands, upload, calibration, limits
+//!  hardware    its requirements of a board: one trait
+//!  chip        what all chips of the family share (start, control interrupt, ways out, tasks), and one folder per chip
+//!  converter   external converters, according to their data sheets
+//!  board/X     one folder per board: what is wired to which pin, and its converters. bin/X: an image
+//!  sim         the board shared by the tests on the PC
+//!  session     the QEMU image's protocol with its driver
 //! ```
 //!
 //! The station knows no pin and no board knows the algorithm. `src/bin` holds the images, built by `scripts/cross`. The
-//! half without hardware builds and is tested on this machine too.
+//! hardware-independent half builds and is tested on the PC, too.
 
 #![cfg_attr(target_os = "none", no_std)]
-// `!(x <= limit)` is how a NaN fails a limit.
+// Limits are written `!(x <= limit)` so that a NaN fails them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod board;

@@ -1,10 +1,10 @@
-//! How long the step takes, counted on the chip.
+//! Duration of the step, counted on the chip.
 
-/// What correcting command and reading may add to a step of three actuators, cycles, by the model of the chip's cycles: held by
-/// `cargo tests --test qemu what_the_watch_costs_a_step`. Where the linker puts the code moves it by some 35.
+/// Most cycles that correcting command and reading may add to a step of three actuators, by the model of the chip's
+/// cycles: see `cargo tests --test qemu what_the_watch_costs_a_step`. Code placement by the linker moves it by some 35.
 pub const CORRECTION_CYCLES: u32 = 350;
 
-/// Worst and mean time of a step, and how many came too late.
+/// Worst and mean time of a step, and the number of late ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepTime {
     deadline_ticks: u32,
@@ -15,7 +15,7 @@ pub struct StepTime {
 }
 
 impl StepTime {
-    /// Nothing counted; a step may take `deadline_ticks`, `u32::MAX` is no deadline.
+    /// Nothing counted; a step may take `deadline_ticks`; `u32::MAX` means no deadline.
     pub const fn new(deadline_ticks: u32) -> Self {
         Self {
             deadline_ticks,
@@ -26,7 +26,7 @@ impl StepTime {
         }
     }
 
-    /// Takes in one step; returns whether it kept its deadline.
+    /// Adds one step; returns whether it kept its deadline.
     #[inline]
     pub fn add(&mut self, ticks: u32) -> bool {
         self.worst_ticks = self.worst_ticks.max(ticks);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// The longest ground motion, points.
 pub const MAX_POINTS: usize = 16_384;
 
-/// Points of the ground motion in one command.
+/// Points of the ground motion per command.
 pub const CHUNK: usize = 128;
 
 /// A test as a board runs it.
@@ -25,7 +25,7 @@ pub struct BoardTest {
     pub coupled: Option<CoupledSettings<2>>,
 }
 
-/// Coded as it is, by one function for the link and for a board's flash: inlined in both, an image is 20 KiB larger.
+/// Encoded as is, by one function for the link and for a board's flash: inlined in both, an image is 20 KiB larger.
 mod once {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -43,7 +43,7 @@ mod once {
 }
 
 impl BoardTest {
-    /// Actuators that take part in it.
+    /// Number of participating actuators.
     pub fn actuators(&self) -> usize {
         match &self.coupled {
             Some(_) => 2,

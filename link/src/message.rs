@@ -8,7 +8,7 @@ use outerloop_core::config::{StructureConfig, Timing};
 use outerloop_core::{Force, Prediction};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-/// The body of a frame of its kind.
+/// The body of a frame of some kind.
 pub trait Message: Serialize + DeserializeOwned {
     /// The kind of its frames.
     const KIND: FrameKind;
@@ -28,7 +28,7 @@ pub trait Message: Serialize + DeserializeOwned {
         frame.encode()
     }
 
-    /// From a frame; `None` if it is of another kind, is none of the messages, or has bytes left over.
+    /// Decodes a frame; `None` if it is of another kind, is none of the messages, or has bytes left over.
     fn decode(frame: &Frame<'_>) -> Option<Self> {
         if frame.kind != Self::KIND {
             return None;
@@ -45,10 +45,10 @@ impl Message for Command {
 }
 
 impl Command {
-    /// What a board does with a frame of commands.
+    /// A board's reading of a frame of commands.
     ///
     /// # Errors
-    /// Why it holds no command of this build; that is also what is to be answered.
+    /// Why it holds no command of this build; also the answer to send.
     pub fn received(frame: &Frame<'_>) -> Result<Self, NotUnderstood> {
         Self::decode(frame).ok_or_else(|| NotUnderstood::by(frame))
     }
@@ -57,16 +57,16 @@ impl Command {
 /// Why a good frame holds no command of this build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotUnderstood {
-    /// A test asks for a force law of this number, which this build does not know.
+    /// A test asks for a force law with this number, unknown to this build.
     Force(u8),
-    /// A test asks for a predictor of this number, which this build does not know.
+    /// A test asks for a predictor with this number, unknown to this build.
     Predictor(u8),
-    /// Everything else: another version of this crate.
+    /// Anything else: another version of this crate.
     Other,
 }
 
 impl NotUnderstood {
-    /// Looks into a [`Command::Configure`] as far as its compensation.
+    /// Parses a [`Command::Configure`] up to its compensation.
     fn by(frame: &Frame<'_>) -> Self {
         let Ok((head, _)) = postcard::take_from_bytes::<ConfigureHead>(frame.body) else {
             return Self::Other;
@@ -157,7 +157,7 @@ mod tests {
         wire.len()
     }
 
-    /// What an image can run at most: every number that can be left out is written, and with the longest code.
+    /// The largest test that an image can run: every optional number is present and has its longest encoding.
     fn largest_config() -> Config {
         let floors: PerFloor = [f64::MAX; 3].into_iter().collect();
         let actuators: PerActuator = [f64::MAX; MAX_ACTUATORS].into_iter().collect();
@@ -212,7 +212,7 @@ mod tests {
         config
     }
 
-    /// The same of two coupled actuators, whose test has none of the lists and methods.
+    /// The same for two coupled actuators, whose test has none of the lists and methods.
     fn largest_coupled() -> BoardTest {
         let (pair, single) = ([f64::MAX; 2], [f32::MAX; 2]);
         let limit = Some(f64::MAX);
@@ -288,7 +288,7 @@ mod tests {
         }
     }
 
-    /// The body of a test with the numbers of force law and predictor that another build knows.
+    /// The body of a test with method numbers of force law and predictor that only another build knows.
     fn configure_by_number(force: u8, predictor: u8) -> std::vec::Vec<u8> {
         let known = |kind| {
             let mut config = largest_config();
@@ -298,7 +298,7 @@ mod tests {
                 .unwrap()
                 .to_vec()
         };
-        // Where two methods differ stand their numbers.
+        // The numbers are where the bodies of two methods differ.
         let (mut body, other) = (
             known(Method::Lagrange),
             known(Method::Tangent.behind(Prediction::Ats)),
@@ -335,7 +335,7 @@ mod tests {
                 "{said}"
             );
         }
-        // What is no test is not refused by its compensation.
+        // A malformed test is not refused because of its compensation.
         let mut cut_short = configure_by_number(law, 200);
         cut_short[0] = 200;
         assert_eq!(answer(&cut_short), Err(NotUnderstood::Other));
@@ -508,7 +508,7 @@ mod tests {
         fn no_body_is_too_much(body in proptest::collection::vec(any::<u8>(), 0..MAX_BODY)) {
             for kind in [FrameKind::Command, FrameKind::Reply] {
                 let frame = Frame { kind, sequence: 0, body: &body };
-                // Whatever is read is a message that can be sent again.
+                // Anything that decodes is a message that can be sent again.
                 if let Some(command) = Command::decode(&frame) {
                     prop_assert!(command.encode(0).is_ok());
                 }

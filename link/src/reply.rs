@@ -98,7 +98,7 @@ pub struct RefusedParameter {
 }
 
 impl RefusedParameter {
-    /// From its parts; what does not fit of the texts is cut.
+    /// Builds one from its parts, truncating texts that do not fit.
     pub fn new(name: &str, value: f64, accepted: &str) -> Self {
         Self {
             name: cut(name),

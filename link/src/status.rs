@@ -1,4 +1,4 @@
-//! How the board is.
+//! The state of the board.
 
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::DecoderCounts;
@@ -50,7 +50,7 @@ pub struct Status {
     pub last_crash: Option<CrashReport>,
 }
 
-/// Causes that a status has room for: five of each actuator.
+/// Causes that fit in a status: five for each actuator.
 pub const MAX_NAMED: usize = 5 * MAX_ACTUATORS;
 
 /// A cause of a set, with its value.
@@ -70,7 +70,7 @@ pub struct NamedCause {
 }
 
 impl NamedCause {
-    /// Without its actuator.
+    /// The finding without its actuator.
     pub fn finding(&self) -> Finding {
         Finding {
             cause: self.cause,

@@ -1,21 +1,21 @@
-//! The record of a control step as it travels: 24 bytes, four for each further actuator and two for each further input,
-//! fixed layout, little-endian.
+//! The record of a control step on the link: 24 bytes, plus four for each further actuator and two for each further
+//! input, fixed layout, little-endian.
 //!
 //! | bytes | what |
 //! |---|---|
 //! | 0..4 | mode, latched fault and flags: [`Record::flags`] |
 //! | 4..6, 6..8 | codes of displacement and force of the first actuator, as sampled |
-//! | 8..12 | its command that was in force, m; while a commissioning signal is set, that of the actuator which it moves |
+//! | 8..12 | its command in force, m; while a commissioning signal is set, that of the actuator which it moves |
 //! | 12..16 | its C_cor, N s/m |
 //! | 16..20 | energy error since the start, Eq 12, J |
 //! | 20..24 | digest of the whole record |
 //! | 24..28, .. | codes of displacement and force of each further actuator |
-//! | behind them, two each | codes of the board's further inputs, in the order of its identity |
+//! | after them, two each | codes of the board's further inputs, in the order of its identity |
 //!
-//! A frame holds [`STEPS`] successive steps behind the tick of the first and a byte: the number of further inputs in its
-//! lower half, of further actuators in its upper one. The outer loop has the same bits on the PC as on the board, so the PC,
-//! fed with the codes, works out every other word of the record, the other actuators' commands among them; the digest
-//! proves that it has.
+//! A frame holds [`STEPS`] successive steps, preceded by the tick of the first and a byte with the number of further
+//! inputs in its low half and of further actuators in its high half. The outer loop computes the same bits on the PC as
+//! on the board, so the PC, fed with the codes, recomputes every other word of the record, including the other
+//! actuators' commands; the digest proves it.
 
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::wire_bytes;
@@ -25,24 +25,24 @@ use outerloop_core::{Fault, Mode, Record};
 /// Steps in a full frame: 4 ms at 2 kHz. The last frame before a pause may hold fewer.
 pub const STEPS: usize = 8;
 
-/// Bytes of a step of one actuator without further inputs.
+/// Bytes of a step for one actuator without further inputs.
 pub const STEP_BYTES: usize = 24;
 
-/// Further inputs of a board, at most.
+/// Largest number of further inputs of a board.
 pub const MAX_INPUTS: usize = 5;
 
 /// Tick of the first step, numbers of further inputs and actuators.
 const HEAD: usize = 5;
 
-/// Bytes of the body of the longest frame.
+/// Bytes in the body of the longest frame.
 pub const BODY_BYTES: usize = HEAD + STEPS * step_bytes(MAX_ACTUATORS, MAX_INPUTS);
 
-/// Bytes of a step of so many actuators and further inputs.
+/// Bytes of a step with this many actuators and further inputs.
 const fn step_bytes(actuators: usize, inputs: usize) -> usize {
     STEP_BYTES + 4 * (actuators - 1) + 2 * inputs
 }
 
-/// Bytes of a full frame on the wire, of a board with so many actuators, at least one, and further inputs.
+/// Bytes of a full frame on the wire, of a board with this many actuators (at least one) and further inputs.
 pub const fn frame_bytes(actuators: usize, inputs: usize) -> usize {
     wire_bytes(HEAD + STEPS * step_bytes(actuators, inputs))
 }
@@ -61,7 +61,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// Volts at an input whose codes are 0 at the lower and `top` at the upper end of `span_v`.
+    /// Volts at an input whose codes run from 0 at the lower end of `span_v` to `top` at the upper end.
     pub fn volts(code: u16, top: u16, [low_v, high_v]: [f32; 2]) -> f64 {
         let (low_v, high_v) = (f64::from(low_v), f64::from(high_v));
         low_v + (high_v - low_v) * f64::from(code) / f64::from(top)
@@ -77,10 +77,10 @@ pub struct StepReport {
     pub displacement: u16,
     /// Its force as sampled.
     pub force: u16,
-    /// Displacement and force of the others; of those that the board does not have they are zero.
+    /// Displacement and force of the others; zero for those that the board does not have.
     pub others: [[u16; 2]; MAX_ACTUATORS - 1],
-    /// The first actuator's command that was in force while the sample was taken, m; while a commissioning signal is set,
-    /// that of the actuator which it moves.
+    /// The first actuator's command in force while the sample was taken, m; while a commissioning signal is set, that
+    /// of the actuator which it moves.
     pub command_m: f32,
     /// C_cor of axis 1, N s/m.
     pub added_damping_n_s_per_m: f32,
@@ -88,19 +88,19 @@ pub struct StepReport {
     pub energy_j: f32,
     /// Digest of the record.
     pub digest: u32,
-    /// Codes of the board's further inputs; those that it does not have are zero.
+    /// Codes of the board's further inputs; zero for those that it does not have.
     pub inputs: [u16; MAX_INPUTS],
 }
 
-/// A hash of all words of a record in 32 bits.
+/// A 32-bit hash of all words of a record.
 pub fn digest<const N: usize>(record: &Record<N>) -> u32 {
     let hash = record.hash(Record::<N>::HASH_START);
     (hash ^ (hash >> 32)) as u32
 }
 
 impl StepReport {
-    /// The report of `record`, whose sample had these codes, displacement and force of each actuator. `moves`: the actuator
-    /// whose command it is, from 0.
+    /// The report of `record`, with the codes of its sample: displacement and force of each actuator. `moves`: the
+    /// actuator whose command is reported, from 0.
     #[inline]
     pub fn of<const A: usize, const N: usize>(
         record: &Record<N>,
@@ -140,7 +140,7 @@ impl StepReport {
         Fault::from_code((self.flags >> 8) as u8)
     }
 
-    /// The codes of displacement and force of an actuator, from 0; `None` if no board has so many.
+    /// The codes of displacement and force of an actuator, from 0; `None` if it exceeds what any board has.
     pub fn codes(&self, actuator: usize) -> Option<[u16; 2]> {
         match actuator.checked_sub(1) {
             None => Some([self.displacement, self.force]),
@@ -197,13 +197,13 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// As the body of a frame of a board with so many actuators, 1 to [`MAX_ACTUATORS`], and further inputs, at most
-    /// [`MAX_INPUTS`].
+    /// Encodes it as the body of a frame, for a board with this many actuators, 1 to [`MAX_ACTUATORS`], and further
+    /// inputs, at most [`MAX_INPUTS`].
     pub fn encode(&self, actuators: usize, inputs: usize) -> Vec<u8, BODY_BYTES> {
         let inputs = inputs.min(MAX_INPUTS);
         let others = actuators.saturating_sub(1).min(MAX_ACTUATORS - 1);
         let mut body = Vec::new();
-        // Room for all of it is in the type.
+        // The type guarantees enough room.
         let _ = body.extend_from_slice(&self.first_tick.to_le_bytes());
         let _ = body.push((others << 4 | inputs) as u8);
         for step in &self.steps {
@@ -216,7 +216,7 @@ impl Telemetry {
         body
     }
 
-    /// From the body of a frame; `None` if it is no telemetry.
+    /// Decodes the body of a frame; `None` if it is not telemetry.
     pub fn decode(body: &[u8]) -> Option<Self> {
         let (tick, rest) = body.split_first_chunk::<4>()?;
         let (&further, steps) = rest.split_first()?;
@@ -237,7 +237,7 @@ impl Telemetry {
     }
 }
 
-/// A step with its further actuators, so many, and inputs.
+/// A step with `others` further actuators, and inputs.
 fn step_of(bytes: &[u8], others: usize) -> Option<StepReport> {
     let (step, further) = bytes.split_first_chunk::<STEP_BYTES>()?;
     let mut report = StepReport::from_bytes(step)?;
@@ -311,7 +311,7 @@ mod tests {
         .encode(1, 0);
         assert!(Telemetry::decode(&body[..28]).is_none());
         assert!(Telemetry::decode(&[]).is_none());
-        // More inputs than there can be, in a body of their length.
+        // More inputs than possible, in a body of matching length.
         let mut many = [0; 4 + 1 + STEP_BYTES + 2 * (MAX_INPUTS + 1)];
         many[4] = MAX_INPUTS as u8 + 1;
         assert!(Telemetry::decode(&many).is_none());

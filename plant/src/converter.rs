@@ -1,11 +1,11 @@
-//! Analogue to digital: range and bits.
+//! Analogue-to-digital conversion: range and bits.
 
 /// One converter channel: mid-tread quantisation with saturation at the rails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converter {
     low: f64,
     high: f64,
-    /// Size of a code in units of the quantity; 0: not quantised.
+    /// Size of a code in units of the quantity; 0 means not quantised.
     step: f64,
 }
 
@@ -25,7 +25,7 @@ impl Converter {
         }
     }
 
-    /// Whatever is finite passes unchanged.
+    /// True if every finite value passes unchanged.
     pub(crate) fn is_wire(&self) -> bool {
         self.step == 0.0 && self.high == f64::INFINITY
     }

@@ -1,4 +1,4 @@
-//! Transport delay: what goes in comes out later, unchanged.
+//! Transport delay: the input comes out later, unchanged.
 
 /// A delay line with a fractional tap.
 ///
@@ -13,7 +13,7 @@ pub struct DelayLine {
 }
 
 impl DelayLine {
-    /// A line at rest at zero that delays by `delay` periods and can be told to delay by up to `longest`; both at least 0.
+    /// A line at rest at zero that delays by `delay` periods, and can be set to at most `longest`; both at least 0.
     pub fn new(delay: f64, longest: f64) -> Self {
         let room = (delay.max(longest) as usize + 5).next_power_of_two();
         let mut line = Self {
@@ -26,14 +26,14 @@ impl DelayLine {
         line
     }
 
-    /// As if `value` had gone in for ever.
+    /// Fills it, as if the input had always been `value`.
     pub(crate) fn fill(&mut self, value: f64) {
         self.past.fill(value);
     }
 
-    /// From the next sample on, delays by `delay` periods, at most the longest that the line was made for.
+    /// From the next sample on, delays by `delay` periods, at most the longest that the line was built for.
     pub fn set_delay(&mut self, delay: f64) {
-        // 4 ms at 2 kHz is 8 periods, whatever the rounding of the product was.
+        // 4 ms at 2 kHz is 8 periods, whatever the rounding of the product.
         let delay = if (delay - delay.round()).abs() < 1e-9 {
             delay.round()
         } else {
@@ -49,7 +49,7 @@ impl DelayLine {
         ];
     }
 
-    /// Takes in the sample of this period and gives the delayed one.
+    /// Takes the sample of this period and returns the delayed one.
     #[inline]
     pub fn step(&mut self, input: f64) -> f64 {
         let mask = self.past.len() - 1;
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn a_fractional_delay_of_a_sine_is_a_sine_later() {
         for delay in [0.3, 0.5, 1.5, 8.25, 41.9] {
-            let w: f64 = 0.05; // rad a period: 16 Hz at 2 kHz
+            let w: f64 = 0.05; // rad per period: 16 Hz at 2 kHz
             let mut line = DelayLine::new(delay, 0.0);
             for i in 0..2000 {
                 let t = f64::from(i);

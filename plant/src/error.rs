@@ -1,4 +1,4 @@
-//! Refusals: where, which value, what would be accepted.
+//! Refusals: where, which value, and what would be accepted.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use std::fmt;
 pub struct RigError {
     /// Path of the value in the test file, e.g. `plant.actuator.delay_ms`.
     pub path: String,
-    /// The value that was found there.
+    /// The value found there.
     pub value: String,
     /// What would be accepted.
     pub accepted: String,
@@ -58,7 +58,7 @@ impl Accept {
         Self { min, max, unit }
     }
 
-    /// The value itself where it lies inside.
+    /// Returns the value itself if it lies inside.
     pub fn check(&self, path: &str, value: f64) -> Result<f64, RigError> {
         if value >= self.min && value <= self.max {
             Ok(value)

@@ -23,7 +23,7 @@ impl Floors {
         }
     }
 
-    /// What begins to act on floor `j`, in the next period.
+    /// Takes the effects that begin on floor `j` in the next period.
     pub(crate) fn begin(&mut self, j: usize, added: Additions) {
         self.floors[j].begin(added);
         self.gives_way = self.floors.iter().any(|floor| floor.gives_m_per_n > 0.0);
@@ -34,7 +34,7 @@ impl Floors {
         &self.floors
     }
 
-    /// Puts the floors where the actuators' dynamics would have them, less what gives way to the forces there.
+    /// Moves the floors to the positions of the actuators' dynamics, minus the give under the forces there.
     #[inline]
     pub(crate) fn step(&mut self, wanted_m: impl Iterator<Item = f64>) {
         if self.gives_way {
@@ -52,7 +52,7 @@ impl Floors {
             above_n = floor.shear_n;
         }
     }
-    /// Every floor goes to where it is, from the ground up; the storeys below answer with their shear.
+    /// Moves every floor to its position, from the ground up; the storeys below respond with their shear.
     #[inline]
     fn advance(floors: &mut [Floor], at_m: impl Iterator<Item = f64>) {
         let mut below = 0.0;

@@ -2,15 +2,15 @@
 
 /// The last samples of one displacement.
 ///
-/// Backward differences of second order: in phase with the motion to `(omega dt)^2`, exact for a parabola (velocity) and
-/// a cubic (acceleration). They need the past only, so the force of this sample can depend on them.
+/// Second-order backward differences: in phase with the motion to `(omega dt)^2`, exact for a parabola (velocity) and a
+/// cubic (acceleration). They need only the past, so the force of this sample can depend on them.
 #[derive(Clone, Debug, Default)]
 pub struct Kinematics {
     rate_hz: f64,
     displacement_m: f64,
     first_m: f64,
     second_m: f64,
-    /// The second difference a sample before.
+    /// The second difference one sample earlier.
     second_before_m: f64,
 }
 
@@ -23,7 +23,7 @@ impl Kinematics {
         }
     }
 
-    /// Takes in the next sample, m.
+    /// Adds the next sample, m.
     #[inline]
     pub fn advance(&mut self, displacement_m: f64) {
         let first = displacement_m - self.displacement_m;
@@ -46,13 +46,13 @@ impl Kinematics {
         self.first_m
     }
 
-    /// Velocity at the latest sample, m/s: `(3 x0 - 4 x1 + x2) / 2 dt`, with backward differences.
+    /// Velocity at the latest sample, m/s: `(3 x0 - 4 x1 + x2) / 2 dt`, by backward differences.
     #[inline]
     pub fn velocity_m_s(&self) -> f64 {
         (self.first_m + 0.5 * self.second_m) * self.rate_hz
     }
 
-    /// Acceleration at the latest sample, m/s^2: `(2 x0 - 5 x1 + 4 x2 - x3) / dt^2`, with backward differences.
+    /// Acceleration at the latest sample, m/s^2: `(2 x0 - 5 x1 + 4 x2 - x3) / dt^2`, by backward differences.
     #[inline]
     pub fn acceleration_m_s2(&self) -> f64 {
         (2.0 * self.second_m - self.second_before_m) * self.rate_hz * self.rate_hz

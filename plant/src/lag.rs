@@ -1,4 +1,4 @@
-//! Lags of first and second order, exact for a command that is held over the control period.
+//! First- and second-order lags, exact for a command held over the control period.
 
 /// `x' = (u - x) / T`.
 #[derive(Clone, Debug)]
@@ -8,7 +8,7 @@ pub struct FirstOrder {
 }
 
 impl FirstOrder {
-    /// At rest at zero. A time constant of 0 follows at once.
+    /// At rest at zero. With a time constant of 0 it follows at once.
     pub fn new(time_constant_s: f64, step_s: f64) -> Self {
         let mut lag = Self {
             stays: 0.0,
@@ -18,18 +18,18 @@ impl FirstOrder {
         lag
     }
 
-    /// From the next step on; the position stays.
+    /// Takes effect from the next step on; the position stays.
     pub fn set_time_constant(&mut self, time_constant_s: f64, step_s: f64) {
         // 0 / 0 cannot occur: the step is positive, and -dt/0 is -inf, of which exp is 0.
         self.stays = (-step_s / time_constant_s).exp();
     }
 
-    /// Puts it there at once.
+    /// Moves there at once.
     pub fn move_to(&mut self, position: f64) {
         self.position = position;
     }
 
-    /// Where the lag is after one period at the command `input`.
+    /// The output after one period at the command `input`.
     #[inline]
     pub fn step(&mut self, input: f64) -> f64 {
         self.position = input + self.stays * (self.position - input);
@@ -47,7 +47,7 @@ pub struct SecondOrder {
 }
 
 impl SecondOrder {
-    /// At rest at zero, with the effective delay `2 z / w` at low frequency. A delay of 0 follows at once.
+    /// At rest at zero, with the effective delay `2 z / w` at low frequency. With a delay of 0 it follows at once.
     pub fn with_delay(delay_s: f64, zeta: f64, step_s: f64) -> Self {
         Self::new(2.0 * zeta / delay_s, zeta, step_s)
     }
@@ -63,7 +63,7 @@ impl SecondOrder {
         lag
     }
 
-    /// As [`SecondOrder::with_delay`], from the next step on; the motion goes on.
+    /// Like [`SecondOrder::with_delay`], from the next step on; the motion continues.
     pub fn set_delay(&mut self, delay_s: f64, zeta: f64, step_s: f64) {
         self.set(2.0 * zeta / delay_s, zeta, step_s);
     }
@@ -73,8 +73,8 @@ impl SecondOrder {
             self.transition = [[0.0; 2]; 2];
             return;
         }
-        // Free vibration from (x, x'): e^(-z w t) ((c + z w s) x + s x'), with c and s the cosine and the sine over
-        // their frequency, hyperbolic above critical damping; at critical damping both limits are c = 1, s = t.
+        // Free vibration from (x, x'): e^(-z w t) ((c + z w s) x + s x'), where c is the cosine and s the sine over its
+        // frequency, hyperbolic above critical damping; at critical damping the limits are c = 1, s = t.
         let decay = (-z * w * h).exp();
         let wd = w * (1.0 - z * z).abs().sqrt();
         let (c, s) = if wd * h < 1e-6 {
@@ -88,12 +88,12 @@ impl SecondOrder {
         self.transition = [[c + z * w * s, s], [-w * w * s, c - z * w * s]];
     }
 
-    /// At rest there.
+    /// Moves there, at rest.
     pub(crate) fn move_to(&mut self, position: f64) {
         (self.position, self.velocity) = (position, 0.0);
     }
 
-    /// Where the lag is after one period at the command `input`.
+    /// The output after one period at the command `input`.
     #[inline]
     pub fn step(&mut self, input: f64) -> f64 {
         let [[a, b], [c, d]] = self.transition;
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn resonance_and_effective_delay_of_the_second_order_lag() {
         // At its natural frequency the gain is 1 / 2 z and the lag a quarter turn. The held command adds half a period
-        // of lag and is sampled at the end of the period, one later: together half a period of lead.
+        // of lag, and sampling at the end of the period takes off one period: in total half a period of lead.
         let (w, z) = (std::f64::consts::TAU / (126.0 * H), 0.1);
         let mut lag = SecondOrder::new(w, z, H);
         let (gain, phase) = response(|u| lag.step(u), w);

@@ -15,18 +15,18 @@
 //! |---|---|
 //! | [`rig`] | the composition: [`RigSpec`] is the `[plant]` table of a test file, [`Rig::step`] one control period |
 //! | [`actuator`] | command to displacement: delays, lags, the random multiplier, a servo-hydraulic actuator |
-//! | [`specimen`] | displacement to force: one restoring-force element a storey |
+//! | [`specimen`] | displacement to force: one restoring-force element per storey |
 //! | `frame` | storeys to floors, and floors that give way |
-//! | [`measurement`] | what the loop gets to see of both: sampling skew, [`sensor`], [`converter`] |
-//! | `parameters` | what a laboratory declares of a rig: one row a parameter |
-//! | [`coupled`] | two actuators on one coupler, in place of the above: x and rotation |
-//! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
-//! | [`random`] | seeded noise: one stream a purpose |
-//! | `stage` | what an effect puts into the way of a displacement or a signal |
+//! | [`measurement`] | how the loop sees both: sampling skew, [`sensor`], [`converter`] |
+//! | `parameters` | a laboratory's declaration of a rig: one row per parameter |
+//! | [`coupled`] | two actuators on one coupler, instead of the above: x and rotation |
+//! | [`effect`] | further possible errors of a rig, by name: the list used in the diagnosis' answers |
+//! | [`random`] | seeded noise: one stream per purpose |
+//! | `stage` | an effect's element in the path of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
 //!
-//! Time is lab time: one [`Rig::step`] is one control period. A sample is taken at the *end* of the period in which the
-//! actuator had its command, so an ideal actuator's displacement equals the command of the same step.
+//! Time is lab time: one [`Rig::step`] is one control period. A sample is taken at the *end* of the period in which its
+//! command was held, so an ideal actuator's displacement equals the command of the same step.
 
 pub mod actuator;
 pub mod converter;

@@ -1,4 +1,4 @@
-//! Linear systems over a sampling period, exactly: no error of integration in what others are measured by.
+//! Linear systems over a sampling period, exact: a reference must have no integration error.
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -13,7 +13,7 @@ pub struct Linear<const S: usize, const I: usize> {
 }
 
 impl<const S: usize, const I: usize> Linear<S, I> {
-    /// At rest. The inputs are straight lines from sample to sample; a held input is a line that does not rise.
+    /// At rest. Inputs are linear between samples; a held input is a line of zero slope.
     pub fn new(a: &SMatrix<f64, S, S>, b: &SMatrix<f64, S, I>, period_s: f64) -> Self {
         // (x, u, du) over a period of length 1: x' = A T x + B T u, u' = du, du' = 0 (Franklin, Powell and Workman,
         // Digital Control of Dynamic Systems, section 4.3).
@@ -37,12 +37,12 @@ impl<const S: usize, const I: usize> Linear<S, I> {
         &self.transition
     }
 
-    /// What inputs do that are held over a period.
+    /// Effect of inputs held over a period.
     pub fn held(&self) -> &SMatrix<f64, S, I> {
         &self.held
     }
 
-    /// What inputs do, beyond being held at their first values, that rise by 1 over a period.
+    /// Effect of inputs that rise by 1 over a period, beyond that of holding their first values.
     pub fn rising(&self) -> &SMatrix<f64, S, I> {
         &self.rising
     }

@@ -86,7 +86,7 @@ const HUM: Accept = Accept::new(1e-3, 1e4, "Hz");
 const SKEW: Accept = Accept::new(-1000.0, 1000.0, "ms");
 const BITS: Accept = Accept::new(2.0, 32.0, "");
 
-/// The displacement range that bits are spread over where the table gives none, mm.
+/// Default displacement range for the converter's bits, mm.
 const DISPLACEMENT_RANGE_MM: f64 = 250.0;
 
 /// Displacement and force channel of one axis.
@@ -103,29 +103,29 @@ pub(crate) struct Channel {
     sensor: Sensor,
     after_sensor: Stages,
     converter: Converter,
-    /// It reads what is there: nothing of the above does anything.
+    /// It reads the true value: none of the above has an effect.
     exact: bool,
 }
 
 impl Channel {
-    /// What the loop is given for `quantity`, and whether it is at a rail.
+    /// The reading of `quantity` for the loop, and whether it is at a rail.
     #[inline]
     pub(crate) fn read(&mut self, quantity: f64) -> (f64, bool) {
         if self.exact {
-            // As a sensor without an offset has it, a zero has no sign.
+            // Adding 0 makes a zero positive, as in a sensor without offset.
             return (quantity + 0.0, quantity.is_infinite());
         }
         self.pass(quantity)
     }
 
-    /// What begins in the next period.
+    /// Takes the effects that begin in the next period.
     pub(crate) fn begin(&mut self, added: ChannelAdditions) {
         self.before_sampling.begin(added.before_sampling);
         self.after_sensor.begin(added.after_sensor);
         self.exact &= self.before_sampling.is_empty() && self.after_sensor.is_empty();
     }
 
-    /// Not inlined: most channels are exact, and what the others need in registers is dear.
+    /// Not inlined: most channels are exact, and the registers needed by the others are costly.
     #[inline(never)]
     fn pass(&mut self, quantity: f64) -> (f64, bool) {
         let sampled = self.before_sampling.step(quantity);
@@ -153,7 +153,7 @@ impl SensorsSpec {
         [1e-3 * mm, force_n]
     }
 
-    /// The transducers' errors of displacement and of force, in m and N.
+    /// The transducers' errors for displacement and force, in m and N.
     fn sensors(&self) -> Result<[SensorSpec; 2], RigError> {
         let mm = |name, mm, accept| Ok::<_, RigError>(1e-3 * checked(name, mm, accept)?);
         let corner_hz = self.coloured_noise_corner_hz;
@@ -182,7 +182,7 @@ impl SensorsSpec {
         Ok([displacement, force])
     }
 
-    /// The ranges of the converters, m and N, where there are any.
+    /// The ranges of the converters, m and N, if any.
     fn ranges(&self, stiffness_n_per_m: &[f64]) -> Result<[Option<f64>; 2], RigError> {
         if let Some(bits) = self.bits {
             checked("bits", f64::from(bits), BITS)?;

@@ -1,23 +1,23 @@
-//! The parameters by which a laboratory describes a rig: one row a parameter.
+//! The parameters by which a laboratory describes a rig: one row per parameter.
 //!
-//! A declared model has a value and a tolerance for each. Who reads, checks, fits, names or saves one asks these rows.
+//! A declared model has a value and a tolerance for each. Code that reads, checks, fits, names or saves one uses these.
 
 use crate::effect::{Channel, Effect};
 
 /// A parameter of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelParameter {
-    /// Its name in files, ending with its unit where it has one.
+    /// Its name in files, ending with its unit if it has one.
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Its value where nothing is said of it.
+    /// Its value if not declared.
     pub absent: f64,
-    /// The least that may be declared.
+    /// Least value that may be declared.
     pub least: f64,
-    /// What an error of it is called.
+    /// The name of an error of it.
     pub error: Effect,
-    /// The error's parameter: of this name a sum, of another one a share of the value.
+    /// The error's parameter: with the same name a sum, with another one a fraction of the value.
     pub error_parameter: &'static str,
 }
 
@@ -72,7 +72,7 @@ const SPECIMEN: [ChannelParameter; 4] = [
 ];
 
 impl Channel {
-    /// Its parameters, in the order in which fits have them.
+    /// Its parameters, in the order used by fits.
     pub const fn parameters(self) -> &'static [ChannelParameter; 4] {
         match self {
             Self::Actuator => &ACTUATOR,
@@ -80,19 +80,19 @@ impl Channel {
         }
     }
 
-    /// What errors of its parameters are called.
+    /// The names of errors of its parameters.
     pub fn mistakes(self) -> [Effect; 4] {
         self.parameters().each_ref().map(|p| p.error)
     }
 
-    /// The parameter that `effect` is an error of.
+    /// The parameter whose error `effect` is.
     pub fn parameter_of_error(self, effect: Effect) -> Option<usize> {
         self.parameters().iter().position(|p| p.error == effect)
     }
 }
 
 impl ChannelParameter {
-    /// True if its error is a share of its value.
+    /// True if its error is a fraction of its value.
     fn is_relative(&self) -> bool {
         self.error_parameter != self.name
     }
@@ -107,12 +107,12 @@ impl ChannelParameter {
         declared + error * self.per_error(declared)
     }
 
-    /// The error of `value` where `declared` was said.
+    /// The error of `value` relative to `declared`.
     pub fn error(&self, value: f64, declared: f64) -> f64 {
         (value - declared) / self.per_error(declared)
     }
 
-    /// What a unit of error changes.
+    /// Change of the value per unit of error.
     pub fn per_error(&self, declared: f64) -> f64 {
         if self.is_relative() { declared } else { 1.0 }
     }

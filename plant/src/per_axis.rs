@@ -17,7 +17,7 @@ pub enum PerAxis {
 }
 
 impl PerAxis {
-    /// One number an axis, each inside `accept`.
+    /// One number per axis, each inside `accept`.
     pub(crate) fn resolve(
         &self,
         path: &str,
@@ -39,7 +39,7 @@ impl PerAxis {
         }
     }
 
-    /// The number of an axis, from 0; NaN where the list has none.
+    /// The number for an axis, from 0; NaN if the list has none.
     pub fn at(&self, axis: usize) -> f64 {
         match self {
             Self::All(value) => *value,
@@ -47,7 +47,7 @@ impl PerAxis {
         }
     }
 
-    /// How many numbers the list has; `None` of one number for every axis.
+    /// Length of the list; `None` for one number for every axis.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::All(_) => None,
@@ -55,7 +55,7 @@ impl PerAxis {
         }
     }
 
-    /// All numbers so many times.
+    /// All numbers multiplied by `factor`.
     pub fn times(&self, factor: f64) -> Self {
         match self {
             Self::All(value) => Self::All(value * factor),

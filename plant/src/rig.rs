@@ -31,7 +31,7 @@ impl RigSpec {
     /// The same rig with one more effect.
     ///
     /// # Errors
-    /// A parameter that is missing, unknown or out of its range, by its name.
+    /// A parameter that is missing, unknown or out of range, by its name.
     pub fn with_effect(
         mut self,
         effect: Effect,
@@ -43,11 +43,11 @@ impl RigSpec {
         Ok(self)
     }
 
-    /// Stiffness of every storey, N/m, of a rig whose force is nothing but that times the drift: linear springs under ideal
-    /// actuators and sensors. `None` of any other.
+    /// Stiffness of every storey, N/m, of a rig whose force is only that times the drift: linear springs with ideal
+    /// actuators and sensors. `None` for any other rig.
     ///
     /// # Errors
-    /// A stiffness that is out of its range, by its path.
+    /// A stiffness out of range, by its path.
     pub fn elastic_n_per_m(
         &self,
         storey_stiffness_n_per_m: &[f64],
@@ -66,8 +66,8 @@ impl RigSpec {
         Ok(Some(stiffness))
     }
 
-    /// The rig that a test is compared with: the same specimen, of which nothing hangs on the load cell, under ideal
-    /// actuators and sensors, without any effect.
+    /// The reference rig for a test: the same specimen without mass on the load cell, with ideal actuators and sensors,
+    /// without any effect.
     pub fn ideal(&self) -> Self {
         Self {
             actuator: ActuatorSpec::default(),
@@ -81,18 +81,18 @@ impl RigSpec {
     }
 }
 
-/// What one control period gives; one number an axis, from the ground up.
+/// The result of one control period; one number per axis, from the ground up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Displacement as the converters deliver it, m.
     pub displacement_m: Vec<f64>,
-    /// Force as the converters deliver it, N, positive where it resists positive displacement.
+    /// Force as the converters deliver it, N, positive if it opposes positive displacement.
     pub force_n: Vec<f64>,
     /// Displacement of the actuator, m.
     pub true_displacement_m: Vec<f64>,
     /// Force on the load cell, N.
     pub true_force_n: Vec<f64>,
-    /// Some converter is at a rail.
+    /// True if some converter is at a rail.
     pub at_rail: bool,
 }
 
@@ -102,20 +102,20 @@ pub struct Rig {
     axes: Vec<Axis>,
     frame: Floors,
     reading: Reading,
-    /// What has not begun yet, the last to begin first.
+    /// Effects yet to begin, in reverse order of time.
     later: Vec<Later>,
-    /// Control periods a second of the model, and those since the start of the test, once it has begun.
+    /// Control periods per second of the model, and those since the start of the test, once it has begun.
     clock: Option<[f64; 2]>,
     rate_hz: f64,
 }
 
-/// What one floor is moved and measured by.
+/// The actuator and sensors of one floor.
 #[derive(Clone, Debug)]
 struct Axis {
     actuator: Actuator,
     /// Change of its force with its displacement, N/m.
     stiffness_n_per_m: f64,
-    /// By what the floor falls short of the actuator under a force, m/N.
+    /// Shortfall of the floor from the actuator per force, m/N.
     compliance_m_per_n: f64,
     channels: Channels,
 }
@@ -124,11 +124,11 @@ const RATE: Accept = Accept::new(1.0, 1e6, "Hz");
 const STOREY_STIFFNESS: Accept = Accept::new(1e-9, 1e12, "N/m");
 
 impl Rig {
-    /// A rig at rest at zero with one actuator for each storey of `storey_stiffness_n_per_m` (the structure's, from
-    /// the ground up), of which a step takes `1 / rate_hz` s of lab time. The same seed repeats a test to the last bit.
+    /// A rig at rest at zero with one actuator for each storey of `storey_stiffness_n_per_m` (the structure's, from the
+    /// ground up); a step takes `1 / rate_hz` s of lab time. The same seed repeats a test to the last bit.
     ///
     /// # Errors
-    /// The first value of the specification that is out of its range, by its path.
+    /// The first value of the specification out of range, by its path.
     pub fn new(
         spec: &RigSpec,
         storey_stiffness_n_per_m: &[f64],
@@ -203,16 +203,16 @@ impl Rig {
         self.axes.len()
     }
 
-    /// The test begins with the next period, of which `rate_hz * time_scale` make a second of the model: what begins in
-    /// mid-test is counted from here. Without this call the first period counts in which a command has moved, and a second
-    /// of the model is one of the laboratory.
+    /// The test begins with the next period; `rate_hz * time_scale` periods make a second of the model. Effects that
+    /// begin in mid-test are timed from here. Without this call the first period with a moving command counts as the
+    /// start, and a second of the model is one of the laboratory.
     pub fn begin_test(&mut self, time_scale: f64) {
         if self.clock.is_none() {
             self.clock = Some([self.rate_hz * time_scale, 0.0]);
         }
     }
 
-    /// Counts the period, and puts to work what begins in it.
+    /// Counts the period, and activates the effects that begin in it.
     #[cold]
     fn begin_later_effects(&mut self, command_m: &[f64]) {
         if self.clock.is_none() && command_m.iter().any(|c| *c != 0.0) {
@@ -235,8 +235,8 @@ impl Rig {
         *periods += 1.0;
     }
 
-    /// One control period: the actuators are given `command_m` (m, one an axis), and the sensors are sampled at its end.
-    /// An axis whose command is not finite keeps the one before.
+    /// One control period: the actuators receive `command_m` (m, one per axis), and the sensors are sampled at its end.
+    /// An axis whose command is not finite keeps the previous one.
     ///
     /// # Panics
     /// If there is not one command for each axis.
@@ -257,7 +257,7 @@ impl Rig {
             .zip(loads)
             .zip(&mut self.reading.true_displacement_m)
         {
-            // A physical mass moves with the piston, so that its inertia is no load here.
+            // A physical mass moves with the piston, so its inertia is not a load here.
             let load = Load {
                 force_n,
                 stiffness_n_per_m: axis.stiffness_n_per_m,
@@ -270,7 +270,7 @@ impl Rig {
         reading.at_rail = false;
         for (j, (axis, floor)) in self.axes.iter_mut().zip(self.frame.floors()).enumerate() {
             let force = floor.force_n();
-            // The actuator's transducer is before what gives way between it and the specimen.
+            // The actuator's transducer is ahead of the compliance between it and the specimen.
             let displacement = floor.displacement_m() + axis.compliance_m_per_n * force;
             let (read_m, rail_m) = axis.channels.displacement.read(displacement);
             let (read_n, rail_n) = axis.channels.force.read(force);
@@ -283,7 +283,7 @@ impl Rig {
         reading
     }
 
-    /// What the last step gave; zeros before the first.
+    /// The result of the last step; zeros before the first.
     pub fn reading(&self) -> &Reading {
         &self.reading
     }

@@ -1,13 +1,13 @@
-//! From the true quantity to the voltage at the converter: gain and offset error, noise, hum.
+//! From the true quantity to the voltage at the converter: gain and offset errors, noise, hum.
 
 use std::f64::consts::TAU;
 
 use crate::random::Normal;
 
-/// What one analogue channel does to its quantity; SI units of that quantity.
+/// The errors of one analogue channel; SI units of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorSpec {
-    /// Reading per true value, 1.
+    /// Reading per true value, dimensionless.
     pub gain: f64,
     /// Added to the reading.
     pub offset: f64,
@@ -24,7 +24,7 @@ pub struct SensorSpec {
 }
 
 impl SensorSpec {
-    /// The reading is the quantity.
+    /// True if the reading equals the quantity.
     pub(crate) fn is_exact(&self) -> bool {
         let noise = [self.white_rms, self.coloured_rms, self.hum_amplitude];
         self.gain == 1.0 && self.offset == 0.0 && noise == [0.0; 3]
@@ -56,7 +56,7 @@ impl Sensor {
         }
     }
 
-    /// The voltage, in units of the quantity, while it is `quantity`.
+    /// The voltage, in units of the quantity, for a true value of `quantity`.
     #[inline]
     pub fn step(&mut self, quantity: f64) -> f64 {
         let mut reading = self.gain * quantity + self.offset;
@@ -73,7 +73,7 @@ impl Sensor {
     }
 }
 
-/// Noise of first order: `n = a n + b g`, `a = exp(-2 pi f_c dt)`, stationary from the first sample.
+/// First-order noise: `n = a n + b g`, `a = exp(-2 pi f_c dt)`, stationary from the first sample.
 #[derive(Clone, Debug)]
 struct Coloured {
     keeps: f64,

@@ -41,14 +41,14 @@ impl Coupler {
         core::array::from_fn(|i| x_m + self.pin_x_m[i] * fall - self.pin_y_m[i] * sine)
     }
 
-    /// The same, linearised about zero: right for derivatives of small rotations.
+    /// The same, linearised about zero: valid for derivatives at small rotations.
     #[inline]
     pub fn linear_m(&self, x_m: f32, theta_rad: f32) -> Pair {
         core::array::from_fn(|i| x_m - self.pin_y_m[i] * theta_rad)
     }
 
-    /// `x` (m) and `theta` (rad) at given strokes: two Newton steps from the linear answer, which below half a radian
-    /// leave less than f32 can show.
+    /// `x` (m) and `theta` (rad) at given strokes: two Newton steps from the linear solution, whose remaining error
+    /// below half a radian is less than f32 resolves.
     pub fn interface(&self, stroke_m: &Pair) -> Pair {
         let arm = self.pin_y_m[0] - self.pin_y_m[1];
         let mut theta = (stroke_m[1] - stroke_m[0]) / arm;
@@ -67,8 +67,8 @@ impl Coupler {
         [x, theta]
     }
 
-    /// Force (N) along x and moment (N m) about the interface of two actuator forces, at a rotation of `theta_rad`: the
-    /// arm of an actuator is how its stroke changes with the rotation.
+    /// Resultant of two actuator forces, a force (N) along x and a moment (N m) about the interface, at a rotation of
+    /// `theta_rad`: the arm of an actuator is the change of its stroke per rotation.
     pub fn resultant(&self, force_n: &Pair, theta_rad: f32) -> Pair {
         let (sine, cosine) = (sine(theta_rad), 1.0 + cosine_less_one(theta_rad));
         let arm_m = |i: usize| -self.pin_x_m[i] * sine - self.pin_y_m[i] * cosine;
@@ -79,11 +79,11 @@ impl Coupler {
     }
 }
 
-/// The largest rotation that the coupler's geometry is worked out for, rad.
+/// The largest rotation for which the coupler's geometry is valid, rad.
 pub const LARGEST_ROTATION: f32 = 0.5;
 
-/// The sine up to [`LARGEST_ROTATION`], where the next term, `x^9 / 9!`, is below half a unit in the last place. A library's
-/// is in double precision, which the microcontroller has no hardware for.
+/// The sine up to [`LARGEST_ROTATION`], where the next term, `x^9 / 9!`, is below half a unit in the last place.
+/// Library functions use double precision, which the microcontroller lacks in hardware.
 #[inline]
 fn sine(x: f32) -> f32 {
     let square = x * x;
@@ -91,7 +91,7 @@ fn sine(x: f32) -> f32 {
     x - x * square * (1.0 / 6.0 - square * rest)
 }
 
-/// `cos x - 1`, which keeps its digits at small angles.
+/// `cos x - 1`, without cancellation at small angles.
 #[inline]
 fn cosine_less_one(x: f32) -> f32 {
     let square = x * x;

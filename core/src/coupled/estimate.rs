@@ -1,20 +1,20 @@
-//! The plant's parameters, from the difference between what was measured and what the model answers.
+//! Estimates the plant's parameters from the difference between measurement and model output.
 //!
-//! A Kalman filter on the logarithms of the parameters, which are taken to stand still: `e = y - y_hat`,
+//! A Kalman filter on the logarithms of the parameters, assumed constant: `e = y - y_hat`,
 //! `g = P phi / (R + phi^T P phi)`, `theta += g e`, `P -= g phi^T P`, one stroke after the other. `R` is the square of
-//! three times the sensor's noise: with one times it, what the model neglects drives free gains 16 % astray.
+//! three times the sensor's noise: with the noise itself, unmodelled effects drive free gains 16 % astray.
 //!
-//! `P` is kept as `U D U^T` (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977): where a motion is a
-//! thousand times the noise, the plain form loses the sign of a variance in f32, and the parameters with it.
+//! `P` is stored as `U D U^T` (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977): if a motion is
+//! a thousand times the noise, the plain form in f32 loses the sign of a variance, and the parameters with it.
 
 use super::forward::{Forward, MAX_DELAY_PERIODS, Slopes};
 use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
 use crate::refusal::Refusal;
 
-/// Factor on the sensor's noise in the estimate, because what the model neglects acts like noise, too.
+/// Factor on the sensor's noise in the estimate, because unmodelled effects act like noise, too.
 const CAUTION: f32 = 3.0;
-/// The farthest that the logarithm of a parameter may move from its declared value.
+/// Largest deviation of a parameter's logarithm from its declared value.
 const FARTHEST: f32 = 0.3;
 
 /// Settings of the estimator.
@@ -82,7 +82,7 @@ impl EstimatorSettings {
     }
 }
 
-/// The estimator and the model that it keeps.
+/// The estimator and its model.
 #[derive(Clone, Debug)]
 pub struct PlantEstimator {
     plant: Plant,
@@ -108,13 +108,13 @@ impl PlantEstimator {
         }
     }
 
-    /// The plant as known now.
+    /// The plant as presently known.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
 
-    /// One sample: what was sent since the last, what is measured now, and whether the plant is identified by it. Returns
-    /// the model's strokes, m.
+    /// One sample: the command sent since the last one, the measurement now, and whether the plant is identified from
+    /// it. Returns the model's strokes, m.
     pub fn update(
         &mut self,
         settings: &EstimatorSettings,
@@ -138,7 +138,7 @@ impl PlantEstimator {
             let slopes = &self.slopes[i];
             let explained = slopes.iter().zip(&moved).map(|(s, m)| s * m).sum::<f32>();
             let error_m = measured_m[i] - modelled_m[i] - explained;
-            // A reading that is not finite teaches nothing.
+            // A reading that is not finite is ignored.
             if error_m.is_finite() {
                 let gain = self.covariance.update(slopes, noise_m * noise_m);
                 for (moved, gain) in moved.iter_mut().zip(&gain) {
@@ -160,12 +160,12 @@ impl PlantEstimator {
 #[derive(Clone, Debug, Default)]
 struct Factored {
     diagonal: [f32; MAX_PARAMETERS],
-    /// Column by column; what lies below the diagonal is not used.
+    /// Column by column; entries below the diagonal are unused.
     columns: [[f32; MAX_PARAMETERS]; MAX_PARAMETERS],
 }
 
 impl Factored {
-    /// Takes a scalar measurement in, `slopes` per parameter and with this variance; returns the gain.
+    /// Adds a scalar measurement with the given `slopes` per parameter and variance; returns the gain.
     fn update(&mut self, slopes: &[f32; MAX_PARAMETERS], variance: f32) -> [f32; MAX_PARAMETERS] {
         let mut gain = [0.0; MAX_PARAMETERS];
         let mut total = variance;
@@ -175,7 +175,7 @@ impl Factored {
             for i in 0..j {
                 seen += column[i] * slopes[i];
             }
-            // A parameter that is not there, or that this stroke does not show.
+            // A parameter that does not exist, or that does not affect this stroke.
             if seen == 0.0 || self.diagonal[j] == 0.0 {
                 continue;
             }
@@ -271,7 +271,7 @@ mod tests {
             );
         }
         assert!(estimator.covariance.diagonal.iter().all(|&d| d >= 0.0));
-        // A NaN teaches nothing and leaves a finite plant.
+        // A NaN is ignored and leaves a finite plant.
         estimator.update(&settings, &[0.0; 2], &[f32::NAN, 0.0], true);
         assert!(
             estimator

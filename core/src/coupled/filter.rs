@@ -1,4 +1,4 @@
-//! First and second order sections by the trapezoidal rule, whose coefficients may change from sample to sample.
+//! First- and second-order sections by the trapezoidal rule, with coefficients that may change from sample to sample.
 
 /// `(1 + s z) / (1 + s / p)`.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,8 +1,8 @@
-//! What a plant answers to the commands that were sent, and how that depends on each parameter.
+//! The response of a plant to the commands sent, and its sensitivity to each parameter.
 //!
-//! The command is a number of the program: it has no noise, so neither has what is worked out from it. The slow pole is
-//! exact for a held command, the rest is by the trapezoidal rule. For a pole `w` the answer `v` changes by
-//! `v - LP_w v` per unit of `ln w`, for a zero by the negative of it, for the natural frequency by `v` behind
+//! The command is a number of the program: it has no noise, so neither has anything computed from it. The slow pole is
+//! exact for a held command, the rest uses the trapezoidal rule. For a pole `w` the response `v` changes by
+//! `v - LP_w v` per unit of `ln w`, for a zero by the negative of it, for the natural frequency by `v` filtered by
 //! `(2 s^2 + 2 zeta f s) / (s^2 + 2 zeta f s + f^2)`, for a gain by `v` itself.
 
 use super::filter::{FirstOrder, SecondOrder, SecondOrderConstants};
@@ -10,20 +10,20 @@ use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
 use crate::delay_line::{Delay, DelayLine};
 
-/// How each stroke changes with each parameter, m per unit of the parameter's logarithm.
+/// Change of each stroke with each parameter, m per unit of the parameter's logarithm.
 pub type Slopes = [[f32; MAX_PARAMETERS]; 2];
 
-/// The longest transport delay of a command, in periods, with the two places that its fraction needs.
+/// The longest transport delay of a command, in periods, plus the two places that its fraction needs.
 const LONGEST: usize = 62;
-/// The same without them.
+/// The longest delay without them.
 pub const MAX_DELAY_PERIODS: f32 = (LONGEST - 2) as f32;
 
-/// The plant in motion.
+/// The plant's state of motion.
 #[derive(Clone, Debug)]
 pub struct Forward {
-    /// Commands on their way.
+    /// Commands in transit.
     late: [DelayLine<LONGEST>; 2],
-    /// Behind the slow pole, for each command.
+    /// After the slow pole, for each command.
     slow: Pair,
     common: [SecondOrder; 2],
     path: [[FirstOrder; 2]; 2],
@@ -44,7 +44,7 @@ impl Forward {
         }
     }
 
-    /// Strokes at this sample, m, after `sent_m` was held since the last one, and their slopes.
+    /// Strokes at this sample, m, after holding `sent_m` since the last one, and their slopes.
     pub fn step(
         &mut self,
         plant: &Plant,
@@ -54,7 +54,7 @@ impl Forward {
         slopes: &mut Slopes,
     ) -> Pair {
         let rate = 2.0 / period_s;
-        // v[i][j]: what command j makes of stroke i.
+        // v[i][j]: contribution of command j to stroke i.
         let mut v = [[0.0_f32; 2]; 2];
         for j in 0..2 {
             let kept = libm::expf(-plant.slow_pole_rad_per_s[j] * period_s);
@@ -98,7 +98,7 @@ impl Forward {
     }
 }
 
-/// The slope of stroke `i` with a parameter whose filter is of first order, or none.
+/// The slope of stroke `i` with a parameter whose filter is of first order, if any.
 #[inline]
 fn slope_behind_first(
     plant: &Plant,

@@ -1,14 +1,14 @@
 //! Commands for target strokes: the inverse of the plant, cross terms included.
 //!
-//! The matrix `k_ij (1 + s n_ij)` is inverted exactly: its determinant `d0 + d1 s` becomes a low-pass, `rho = r / (1 + s
-//! d1 / d0)`, whose derivatives follow from those of the target, and `w = adj(k_ij (1 + s n_ij)) rho / d0`. What is left
-//! of each column, `1 / D_j`, is a power series in s, led by the transport delay and by half a period for the held command:
-//! `u_j = sum c_jn w_j^(n)`.
+//! The matrix `k_ij (1 + s n_ij)` is inverted exactly: its determinant `d0 + d1 s` becomes a low-pass,
+//! `rho = r / (1 + s d1 / d0)`, whose derivatives follow from those of the target, and
+//! `w = adj(k_ij (1 + s n_ij)) rho / d0`. The remaining factor of each column, `1 / D_j`, is a power series in s,
+//! preceded by the transport delay and by half a period for the held command: `u_j = sum c_jn w_j^(n)`.
 
 use super::pair::Pair;
 use super::plant::Plant;
 
-/// A signal and its derivatives with time, the signal first.
+/// A signal and its time derivatives, the signal first.
 pub type Jet<const K: usize> = [f32; K];
 
 /// `c_j0` to `c_j4` of both columns: the series of `e^(s (T / 2 + d_j)) / D_j`.
@@ -38,7 +38,7 @@ fn multiply(c: &mut [f32; 5], a: f32, b: f32) {
     }
 }
 
-/// The inverse, with the memory of its low-pass.
+/// The inverse, with the state of its low-pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantInverse {
     rho: Pair,
@@ -77,7 +77,7 @@ impl PlantInverse {
                 } else {
                     k[0][0] * led(1, at, n[0][0]) - k[1][0] * led(0, at, n[1][0])
                 };
-                // The fifth derivative is not known: the column that needs it ends a power earlier.
+                // The fifth derivative is not available: the column that needs it ends one power earlier.
                 let known = at < 4 || self::leads(n, j) == 0.0;
                 if known {
                     command += c[at] * w * per;
@@ -92,7 +92,7 @@ impl PlantInverse {
         if !(lag_s > 0.0) {
             return [target[0], target[1], target[2], target[3], 0.0];
         }
-        // Exact for a target that moves along a line between samples.
+        // Exact for a target that moves linearly between samples.
         let (x, share) = (target[0], period_s / lag_s);
         let kept = libm::expf(-share);
         let slope = (x - self.target[i]) / share;
@@ -106,7 +106,7 @@ impl PlantInverse {
     }
 }
 
-/// The leads by which a column's command needs one derivative more.
+/// The leads by which a column's command needs one more derivative.
 fn leads(path_lead_s: &[Pair; 2], j: usize) -> f32 {
     let other = 1 - j;
     path_lead_s[0][other] + path_lead_s[1][other]
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn the_plant_behind_its_inverse_follows_the_target() {
-        // 9.3 and 4.6 periods late, too.
+        // Also with delays of 9.3 and 4.6 periods.
         for delay_s in [[0.0; 2], [9.1e-3, 4.5e-3]] {
             let worst = worst_m(&Plant { delay_s, ..FRAME });
             assert!(worst < 5e-6, "{worst} m of 1e-3 m, late by {delay_s:?} s");

@@ -1,4 +1,4 @@
-//! Two actuators on one coupler: the command of one also moves the other.
+//! Two actuators on one coupler: each one's command also moves the other.
 //!
 //! A test with a translation and a rotation is moved by two actuators that share a stiff coupler. Each has its own
 //! dynamics, the specimen couples them, and the coordinates of the structure (`x`, `theta`) are not the strokes of the
@@ -10,18 +10,18 @@
 //!                                              measured strokes ─► estimate ◄─ forward model ◄────┘
 //! ```
 //!
-//! The plant is estimated *forwards*, from the command, which carries no noise, and inverted on paper.
+//! The plant is estimated *forwards*, from the noise-free command, and inverted analytically.
 //!
-//! | name | what it is |
+//! | name | meaning |
 //! |---|---|
 //! | [`CoupledRig`] | the rig of an [`OuterLoop`](crate::OuterLoop) with such actuators, made from [`CoupledSettings`]; interlocks in both systems of coordinates |
 //! | [`Tracker`] | all of what follows |
 //! | [`Coupler`] | strokes from x and theta and back, exact and linearised |
 //! | [`Plant`] | the 2 x 2 transfer function and its parameters |
-//! | [`Forward`] | what the plant would answer to the commands, and how that depends on each parameter |
-//! | [`EstimatorSettings`] | how the parameters are found from the difference to what was measured |
+//! | [`Forward`] | the plant's predicted response to the commands, and its sensitivity to each parameter |
+//! | [`EstimatorSettings`] | settings for estimating the parameters from the difference between model and measurement |
 //! | [`ObserverSettings`], [`SteadyObserver`] | smooth derivatives of a target that is driven by a known ground motion |
-//! | [`observed`] | the modes of a structure as the observers want them |
+//! | [`observed`] | the modes of a structure in the form the observers need |
 //!
 //! # When not to use it
 //! A single actuator, or actuators that do not feel each other: the predictors in [`crate::Prediction`] need a tenth of

@@ -1,20 +1,20 @@
-//! A target and its first three derivatives, smooth although the force behind the target is noisy.
+//! Smooths a target and supplies its first three derivatives, although the force behind the target is noisy.
 //!
-//! The target is the response of a structure to a ground motion that is known: a sum of a few modes,
-//! `q'' + 2 zeta omega q' + omega^2 q = gamma a_g + w`. A steady Kalman filter keeps them in step with the target that
-//! the integration gives; the derivatives are those of the modes.
+//! The target is the response of a structure to a known ground motion: a sum of a few modes,
+//! `q'' + 2 zeta omega q' + omega^2 q = gamma a_g + w`. A steady Kalman filter keeps them in step with the target from
+//! the integration; the derivatives are those of the modes.
 //!
-//! A target that no such structure moves (on the way to the start, in a hold, from a model outside) may stand where those
-//! modes would not: they would pull the actuators towards zero. It is followed as a free mass is, whose velocity stands but for
-//! what the target says. That mass takes over the same share `alpha` of a difference in place as the modes do together, and the
-//! share of it in velocity that belongs to a steady Kalman filter, `beta = 2 (2 - alpha) - 4 sqrt(1 - alpha)` (Kalata, The
-//! tracking index, IEEE Trans. Aerospace and Electronic Systems 20, 1984).
+//! A target that no such structure moves (on the way to the start, in a hold, from an external model) may rest where
+//! modes would not: they would pull the actuators towards zero. It is tracked as a free mass, whose velocity changes
+//! only with the target. That mass takes over the same fraction `alpha` of a position error as the modes do together,
+//! and the matching velocity fraction of a steady Kalman filter, `beta = 2 (2 - alpha) - 4 sqrt(1 - alpha)` (Kalata,
+//! The tracking index, IEEE Trans. Aerospace and Electronic Systems 20, 1984).
 
 use super::inverse::Jet;
 use crate::refusal::Refusal;
 use heapless::Vec;
 
-/// The most modes of a coordinate.
+/// The largest number of modes of a coordinate.
 pub const MAX_MODES: usize = 3;
 const STATES: usize = 2 * MAX_MODES;
 
@@ -33,11 +33,11 @@ pub struct VibrationMode {
 /// Settings of the observer of one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObserverSettings {
-    /// The modes that matter.
+    /// The relevant modes.
     pub modes: Vec<VibrationMode, MAX_MODES>,
-    /// Noise that the target carries, m (or rad) rms.
+    /// Noise of the target, m (or rad) rms.
     pub noise: f64,
-    /// White acceleration that drives each mode beside the ground, m/s^2 (or rad/s^2) rms in a sample.
+    /// White acceleration that drives each mode besides the ground, m/s^2 (or rad/s^2) rms per sample.
     pub process_per_s2: f64,
 }
 
@@ -60,13 +60,13 @@ struct ModeConstants {
     gain: [f32; 2],
 }
 
-/// Constants of an observer, worked out once.
+/// Constants of an observer, computed once.
 #[derive(Clone, Debug)]
 pub struct ObserverConstants {
     modes: [ModeConstants; MAX_MODES],
     count: usize,
     period_s: f32,
-    /// By how much displacement and velocity of the free mass follow an error of the target.
+    /// Gains from a target error to displacement and velocity of the free mass.
     free_gain: [f32; 2],
 }
 
@@ -122,7 +122,7 @@ impl ObserverSettings {
     }
 }
 
-/// That there is a mode, and that each can be followed.
+/// Checks that there is a mode, and that each can be tracked.
 fn check_modes<'a>(
     modes: impl ExactSizeIterator<Item = &'a VibrationMode>,
     period_s: f64,
@@ -154,8 +154,8 @@ impl ObserverConstants {
     /// For samples `period_s` apart.
     ///
     /// # Errors
-    /// No mode, or one that cannot be followed; a gain that is not finite, or gains that take over nothing or more than all of a
-    /// difference.
+    /// No mode, or one that cannot be tracked; a gain that is not finite, or gains that take over nothing or more than
+    /// all of a difference.
     pub fn new(observer: &SteadyObserver, period_s: f64) -> Result<Self, Refusal> {
         check_modes(observer.modes.iter().map(|(mode, _)| mode), period_s)?;
         let mut modes = [ModeConstants::default(); MAX_MODES];
@@ -270,8 +270,8 @@ impl Observer {
         }
     }
 
-    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives. They are the modes' by the
-    /// share `driven`, from 0 to 1, in which the structure moves the target, and for the rest the free mass'.
+    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives: a blend
+    /// of the modes', by the fraction `driven` (0 to 1) to which the structure moves the target, and the free mass's.
     pub fn update(
         &mut self,
         k: &ObserverConstants,
@@ -282,7 +282,7 @@ impl Observer {
         let free = self.update_free(k, target);
         let modes = self.update_modes(k, target, ground_m_per_s2);
         let rest = 1.0 - driven;
-        // From the modes on: a target that they alone move has their derivatives to the bit.
+        // Starting from the modes: a target that they alone move has exactly their derivatives, to the bit.
         core::array::from_fn(|n| modes[n] + rest * (free[n] - modes[n]))
     }
 
@@ -417,7 +417,7 @@ mod tests {
             let (from, to) = (step.min(512), (step + 1).min(512));
             let target = speed * to as f32 * period as f32;
             let [x, v, a, j] = observer.update(&k, target, 0.0, 0.0);
-            // A corner is behind it within 60 ms.
+            // A corner has settled within 60 ms.
             if !(64..512).contains(&step) && step < 512 + 64 {
                 continue;
             }

@@ -6,8 +6,8 @@
 //!        (1 + s / a_j) (1 + s / b_j) (1 + 2 zeta s / f + s^2 / f^2)
 //! ```
 //!
-//! Stroke `i`, command `j`, with `e^(-s d_j)` for the transport delay of command `j`. What a command has to pass (servo
-//! valve, oil, frame) stands in its column; what differs from stroke to stroke are a gain and at most one zero.
+//! Stroke `i`, command `j`, with `e^(-s d_j)` for the transport delay of command `j`. Everything that a command passes
+//! (servo valve, oil, frame) is in its column; strokes differ only in a gain and at most one zero.
 
 use super::pair::Pair;
 use crate::refusal::Refusal;
@@ -53,13 +53,13 @@ pub enum Parameter {
     Gain(usize, usize),
 }
 
-/// The most parameters that are estimated at once.
+/// The largest number of parameters estimated at once.
 pub const MAX_PARAMETERS: usize = 16;
 
 /// A parameter and its relative standard deviation.
 pub type Spread = (Parameter, f32);
 
-/// What is estimated, with how far it may be off.
+/// The parameters to estimate, with their uncertainties.
 pub type Spreads = Vec<Spread, MAX_PARAMETERS>;
 
 impl Plant {
@@ -126,7 +126,7 @@ impl Plant {
         ]
     }
 
-    /// Multiplies a parameter by `factor`; a zero's frequency, where the parameter is one.
+    /// Multiplies a parameter by `factor`; if the parameter is a zero, its frequency.
     pub fn scale(&mut self, parameter: Parameter, factor: f32) {
         let pair = |all: &mut [Pair; 2], i: usize, j: usize, factor: f32| {
             if let Some(x) = all.get_mut(i).and_then(|row| row.get_mut(j)) {
@@ -148,7 +148,7 @@ impl Plant {
         }
     }
 
-    /// The number itself; of a zero its time, s. `None` where there is no such actuator, stroke or zero.
+    /// The number itself; for a zero its time, s. `None` if there is no such actuator, stroke or zero.
     pub fn value(&self, parameter: Parameter) -> Option<f32> {
         let pair = |all: &[Pair; 2], i: usize, j: usize| all.get(i)?.get(j).copied();
         match parameter {
@@ -188,7 +188,7 @@ pub(super) mod tests {
         let entry = |i: usize, j: usize| FRAME.gain[i][j] * (1.0 + s * FRAME.path_lead_s[i][j]);
         let exact = entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0);
         assert!((d0 + d1 * s - exact).abs() < 1e-6);
-        // The zero that the findings name: 5.08 Hz, a little other with other digits of the gains.
+        // The zero stated in the findings: 5.08 Hz, slightly different with more digits of the gains.
         assert!((d0 / d1 / TURN - 5.08).abs() < 0.1, "{}", d0 / d1 / TURN);
     }
 

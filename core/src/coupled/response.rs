@@ -1,17 +1,17 @@
-//! The modes of a structure, in the form that the observers of a target need.
+//! The modes of a structure, in the form needed by the observers of a target.
 
 use super::observer::{MAX_MODES, ObserverSettings, VibrationMode};
 use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::Structure;
 
-/// What an observer of degree of freedom `axis` is configured with: the lowest modes of `structure`, their damping ratios
-/// `phi^T C phi / 2 omega` and their parts in the axis' acceleration, `-phi_axis phi^T M iota` for mass-normalised `phi`.
+/// Observer settings for degree of freedom `axis`: the lowest modes of `structure`, damping ratios
+/// `phi^T C phi / 2 omega` and parts in the axis' acceleration, `-phi_axis phi^T M iota` for mass-normalised `phi`.
 ///
-/// `noise` is what the target carries, m (or rad) rms; `process_per_s2` the white acceleration beside the ground's.
+/// `noise` is the target's noise, m (or rad) rms; `process_per_s2` the white acceleration besides the ground's.
 ///
 /// # Errors
-/// An axis that the structure does not have; a mass matrix that is not symmetric positive definite.
+/// An axis missing in the structure; a mass matrix that is not symmetric positive definite.
 pub fn observed<const N: usize>(
     structure: &Structure<N>,
     axis: usize,

@@ -1,12 +1,12 @@
-//! Two actuators that move x and rotation of the interface, as the loop sees a rig.
+//! Two actuators that move x and rotation of the interface, as a rig of the loop.
 //!
 //! ```text
 //!  strokes, forces ─► where the interface is, force and moment ─► loop ─► target of x and rotation ─► tracker ─► commands
 //! ```
 //!
-//! Strokes, forces and commands of the actuators stand on axes 0 and 1; so do x and rotation of the structure. Limits act in
-//! both: those of the actuators are the loop's own (axes 0 and 1 of a [`Trip`](crate::Trip)), those of x and rotation are
-//! here (axes [`INTERFACE_AXIS`] and the next; of the latter rad stands for m and N m for N).
+//! Strokes, forces and commands of the actuators use axes 0 and 1; so do x and rotation of the structure. Limits act in
+//! both: those of the actuators are the loop's own (axes 0 and 1 of a [`Trip`](crate::Trip)), those of x and rotation
+//! are here (axes [`INTERFACE_AXIS`] and the next; for the latter, read rad for m and N m for N).
 
 use super::pair::Pair;
 use super::plant::Plant;
@@ -16,16 +16,16 @@ use crate::float::{larger, smaller};
 use crate::rig::{Asked, CommandMap, Rig};
 use crate::supervise::{Checked, Finding, InterlockLimits, Mode, first_fault, within};
 
-/// By how much the share in which the structure moves the target changes in a control step.
+/// Change per control step of the fraction to which the structure moves the target.
 const SHARE_STEP: f32 = 1.0 / 64.0;
-/// What the axes of x and rotation are counted from in a fault: behind those of every actuator that a loop can have.
+/// The axis of x in a fault, followed by that of rotation: above those of every actuator that a loop can have.
 pub const INTERFACE_AXIS: u8 = MAX_DOF as u8;
 
-/// What is known of the rig, worked out once.
+/// Constants of the rig, computed once.
 #[derive(Clone, Debug)]
 pub struct CoupledConstants {
     pub(super) tracker: TrackerConstants,
-    /// Of x and of the rotation.
+    /// For x and for the rotation.
     pub(super) limits: [InterlockLimits; 2],
     /// Rotation that moves a pin by as much as this displacement, rad/m.
     pub(super) turn_per_metre: f32,
@@ -37,22 +37,22 @@ pub struct CoupledRig {
     tracker: Tracker,
     limits: [InterlockLimits; 2],
     turn_per_metre: f32,
-    /// Where the interface is, by readings and model, m and rad.
+    /// Position of the interface, from readings and model, m and rad.
     interface: Pair,
     /// Force along x and moment about the interface, N and N m.
     force: Pair,
-    /// Share in which the structure, and with it the ground, moves the target. It is 0 outside a running test and where the
-    /// targets come from outside, and changes gradually, because a jump of it would jerk the actuators.
+    /// Fraction to which the structure, and with it the ground, moves the target. It is 0 outside a running test and
+    /// with external targets, and changes gradually, because a jump would jerk the actuators.
     driven: f32,
 }
 
 impl CoupledRig {
-    /// The actuators as known now.
+    /// The actuators as presently known.
     pub fn plant(&self) -> &Plant {
         self.tracker.plant()
     }
 
-    /// What the limits of coordinate `i` look at.
+    /// The inputs to the limits of coordinate `i`.
     fn checked<'a>(&'a self, i: usize, [from, to]: &'a [[f32; 1]; 2]) -> Checked<'a, 1> {
         Checked {
             next_m: to,
@@ -74,13 +74,13 @@ fn pair<const N: usize>(all: &[f32; N]) -> Pair {
     core::array::from_fn(|i| all.get(i).copied().unwrap_or(0.0))
 }
 
-/// The first two axes exchanged.
+/// Replaces the first two axes.
 #[inline]
 fn with_pair<const N: usize>(all: &[f32; N], pair: Pair) -> [f32; N] {
     core::array::from_fn(|j| pair.get(j).copied().unwrap_or(all[j]))
 }
 
-/// Coordinate `i` of where a step leads from, and to.
+/// Coordinate `i` at the start and the end of a step.
 #[inline]
 fn coordinate<const N: usize>(i: usize, from: &[f32; N], to: &[f32; N]) -> [[f32; 1]; 2] {
     [[pair(from)[i]], [pair(to)[i]]]
@@ -102,7 +102,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
         }
     }
 
-    // What was found out about the actuators, and what is on its way through them, stays.
+    // What was learnt about the actuators, and commands in transit, are kept.
     fn rest(&mut self) {}
 
     fn restart(&mut self) {
@@ -119,7 +119,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
     ) {
         let strokes_m = pair(displacement_m);
         let (_, interface) = self.tracker.observe(&pair(sent_m), &strokes_m, moves);
-        // The arms are those of the reading: a model of the actuators that is wrong must not turn forces.
+        // The arms come from the reading: a wrong actuator model must not rotate forces.
         let coupler = self.tracker.coupler();
         let [_, turned] = coupler.interface(&strokes_m);
         self.interface = interface;
@@ -143,7 +143,7 @@ impl<const N: usize> Rig<N> for CoupledRig {
             -SHARE_STEP
         };
         self.driven = smaller(larger(self.driven + change, 0.0), 1.0);
-        // Behind the last point the share fades, and the ground does not go at once.
+        // After the last point the fraction fades, and the ground does not vanish at once.
         let step = asked.step.min(asked.ground.steps());
         let ground_m_per_s2 = self.driven * asked.ground.at(step);
         let aim = pair(asked.aim_m);

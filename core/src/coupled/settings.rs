@@ -1,4 +1,4 @@
-//! From what a test of two coupled actuators is to be to the constants of its loop.
+//! Turns the settings of a test with two coupled actuators into the constants of its loop.
 
 use super::coupler::LARGEST_ROTATION;
 use super::rig::{CoupledConstants, CoupledRig};
@@ -44,9 +44,9 @@ pub struct CoupledSettings<const N: usize> {
 }
 
 impl<const N: usize> Design<N, CoupledRig> {
-    /// Checks `config` and `settings` and works the constants out. `config` has rates, estimation, and the limits of each
-    /// actuator, all of which have to be given: stroke, speed, force, tracking and stale samples. Its structure is only
-    /// checked.
+    /// Checks `config` and `settings` and computes the constants. `config` supplies rates, estimation, and the limits
+    /// of each actuator, all of which are required: stroke, speed, force, tracking and stale samples. Its structure is
+    /// only checked.
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -116,14 +116,14 @@ impl<const N: usize> Design<N, CoupledRig> {
         let constants = CoupledConstants {
             tracker,
             limits: settings.interface.map(|b| limits(&b, t.rate_hz)),
-            // As fast as what moves the pins, on the mean.
+            // Moves the pins as fast as x does, on average.
             turn_per_metre: 2.0 / (pins_m[1] - pins_m[0]).abs(),
         };
         Self::on_rig(config, structure, constants, [true, true])
     }
 }
 
-/// Of one coordinate.
+/// Limits of one coordinate.
 fn limits(bounds: &Bounds, rate_hz: f64) -> InterlockLimits {
     let step = (bounds.speed_per_s / rate_hz) as f32;
     InterlockLimits {

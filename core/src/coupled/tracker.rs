@@ -1,4 +1,4 @@
-//! Everything for a pair of coupled actuators, one call a sample.
+//! The complete tracking of a pair of coupled actuators, one call per sample.
 
 use super::coupler::Coupler;
 use super::estimate::{EstimatorSettings, PlantEstimator};
@@ -27,17 +27,17 @@ pub struct TrackerSettings {
     pub trust_reading_hz: f32,
 }
 
-/// Constants of a tracker, worked out once.
+/// Constants of a tracker, computed once.
 #[derive(Clone, Debug)]
 pub struct TrackerConstants {
     settings: TrackerSettings,
     observers: [ObserverConstants; 2],
-    /// Share of the difference between reading and model that is corrected in a sample.
+    /// Fraction of the difference between reading and model that is corrected per sample.
     follow: f32,
 }
 
 impl TrackerConstants {
-    /// Checks `settings` and works out the gains.
+    /// Checks `settings` and computes the gains.
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -112,14 +112,14 @@ impl Tracker {
         &self.constants.settings.coupler
     }
 
-    /// The plant as known now.
+    /// The plant as presently known.
     pub fn plant(&self) -> &Plant {
         self.estimator.plant()
     }
 
-    /// Takes in what was sent since the last sample and the measured strokes, before the target of the same sample. Returns
-    /// the estimated strokes and the position of the interface. The plant is identified (`learns`) where the actuators
-    /// are known to follow, and move: to valves that are shut, and beside an offset of a rig that stands, every gain looks wrong.
+    /// Takes the command sent since the last sample and the measured strokes, before the target of the same sample.
+    /// Returns estimated strokes and position of the interface. The plant is identified (`learns`) only while the
+    /// actuators are known to follow and to move: with shut valves, or at rest with an offset, every gain looks wrong.
     pub fn observe(&mut self, sent_m: &Pair, measured_m: &Pair, learns: bool) -> (Pair, Pair) {
         let k = &self.constants;
         let settings = &k.settings.estimate;
@@ -134,12 +134,12 @@ impl Tracker {
         (stroke_m, k.settings.coupler.interface(&stroke_m))
     }
 
-    /// Commands that bring the interface to `target` (x in m, theta in rad), m, which a structure moves that is shaken so.
+    /// Commands, m, that bring the interface to `target` (x in m, theta in rad) of a structure with this ground motion.
     pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> Pair {
         self.command_driven(target, ground_m_per_s2, 1.0)
     }
 
-    /// The same where the structure moves the target by the share `driven` alone, see [`Observer::update`].
+    /// The same if the structure moves the target only to the fraction `driven`, see [`Observer::update`].
     pub(super) fn command_driven(
         &mut self,
         target: &Pair,
@@ -167,7 +167,7 @@ impl Tracker {
     }
 }
 
-/// The target and its derivatives `by_s` earlier, by Taylor.
+/// The target and its derivatives `by_s` earlier, by Taylor expansion.
 #[inline]
 fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
     [
@@ -220,7 +220,7 @@ mod tests {
         Tracker::at_rest(TrackerConstants::new(&settings).unwrap())
     }
 
-    /// How far the interface is from 20 mm and 20 mrad, where it has stood for a second after a way of two.
+    /// Error of the interface at 20 mm and 20 mrad, after a two-second ramp and a second at rest.
     fn off(driven: f32) -> Pair {
         let (mut tracker, mut rig) = (tracker(), Forward::at_rest());
         let (mut sent_m, mut slopes) = ([0.0; 2], [[0.0; MAX_PARAMETERS]; 2]);

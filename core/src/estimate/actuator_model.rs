@@ -1,7 +1,7 @@
 //! The filter's model of the actuator: transport delay, then a second-order lag.
 
-/// The lag in discrete time, exact for a command that is held over the step: `x' = F x + g u`, the velocity in metres
-/// per step.
+/// The lag in discrete time, exact for a command held over the step: `x' = F x + g u`, with the velocity in metres per
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag {
     /// Transition matrix.
@@ -31,7 +31,7 @@ impl Lag {
         for _ in 0..halvings {
             e = multiply(&e, &e);
         }
-        // The steady state of a held command is x = u, v = 0: that gives the input vector.
+        // The steady state of a held command, x = u, v = 0, gives the input vector.
         Self {
             transition: e,
             input: [1.0 - e[0][0], -e[1][0]],

@@ -1,6 +1,6 @@
 //! Stage 1: displacement and velocity of one actuator, with the sent command as known input.
 //!
-//! The model carries the motion, so the filter needs no phase lag to be smooth. Gains are steady and worked out at
+//! The model carries the motion, so the filter is smooth without phase lag. Gains are steady and computed at
 //! configuration, from the discrete Riccati equation.
 
 use super::actuator_model::{Lag, multiply};
@@ -22,11 +22,11 @@ pub struct KalmanGains {
 type Matrix2 = [[f64; 2]; 2];
 
 impl KalmanGains {
-    /// Steady gains for a control step of `step_s`, of an actuator from 0.
+    /// Steady gains for a control step of `step_s`, of the actuator with this number from 0.
     ///
     /// # Errors
     /// A Riccati equation without a finite solution.
-    #[inline(never)] // Of several actuators each: it would stand in an image several times.
+    #[inline(never)] // Inlined, it would be in an image once per number of actuators.
     pub fn new(e: &Estimation, step_s: f64, actuator: usize) -> Result<Self, Refusal> {
         let lag_s = e.lag_ms.at(actuator) * 1e-3;
         let model = Lag::new(lag_s, e.lag_damping_ratio, step_s);
@@ -173,7 +173,7 @@ mod tests {
                 f[0][0] * x[0] + f[0][1] * x[1] + model.input[0] * d,
                 f[1][0] * x[0] + f[1][1] * x[1] + model.input[1] * d,
             ];
-            // Sum of 12 uniforms less 6: a Gaussian good enough for a variance.
+            // Sum of 12 uniforms minus 6: Gaussian enough for a variance.
             let mut noise = -6.0;
             for _ in 0..12 {
                 seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,12 +1,12 @@
 //! The gain of Eq 19, `sech(omega u / v)^gamma`.
 //!
-//! In powers of two, `2^(-gamma log2 cosh x)` with `log2 cosh x = x log2 e + log2((1 + t) / 2)` and `t = 2^(-2 x log2 e)`,
-//! which cannot overflow. Both functions are polynomials: one division in all, where libm's functions or a quotient of
-//! series take four, at 14 cycles each. micromath's `exp` is off by 2.4e-3 and not monotone.
+//! In powers of two, `2^(-gamma log2 cosh x)` with `log2 cosh x = x log2 e + log2((1 + t) / 2)` and
+//! `t = 2^(-2 x log2 e)`, which cannot overflow. Both functions are polynomials: one division in total, where libm's
+//! functions or a quotient of series need four, at 14 cycles each. micromath's `exp` is off by 2.4e-3 and not monotone.
 
 use core::f32::consts::LOG2_E;
 
-/// Constants of the gain, worked out once. The coefficients stand in memory beside the parameters: a constant in the flash
+/// Constants of the gain, computed once. The coefficients are in memory beside the parameters: a constant in the flash
 /// costs its wait states.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SechGain {
@@ -19,15 +19,15 @@ pub(crate) struct SechGain {
     log: [f32; 7],
 }
 
-/// `2 x log2 e` beyond which `t` is nothing beside 1; nearer, neither power needs a test of its own.
+/// `2 x log2 e` beyond which `t` is negligible against 1; below it, neither power needs a test of its own.
 const FAR: f32 = 64.0;
 
 /// The power of a half that counts as 0.
 const NOTHING: f32 = 125.0;
 
 impl SechGain {
-    /// For the natural frequency times the integration step and the exponent. The polynomials have the least largest error:
-    /// relative 9e-8 of the power, absolute 3e-7 of the logarithm.
+    /// Takes the natural frequency times the integration step, and the exponent. The polynomials minimise the largest
+    /// error: relative 9e-8 of the power, absolute 3e-7 of the logarithm.
     pub const fn new(omega_dt: f32, gamma: f32) -> Self {
         Self {
             doubled_omega_dt: 2.0 * LOG2_E * omega_dt,
@@ -55,8 +55,8 @@ impl SechGain {
     #[inline(always)] // A call spills the registers of the step around it.
     pub fn at(&self, displacement_m: f32, velocity_dt_m: f32) -> f32 {
         let y = (self.doubled_omega_dt * displacement_m / velocity_dt_m).abs();
-        // By the bits, which for a positive number go with its size, and for a NaN lie beyond infinity: the constant is
-        // then part of the instruction.
+        // Compares bits, which for positive numbers order like their values, and for a NaN exceed infinity's: the
+        // constant is then part of the instruction.
         if y.to_bits() > FAR.to_bits() {
             return self.far(y, velocity_dt_m);
         }
@@ -67,12 +67,12 @@ impl SechGain {
         self.power_of_two(-self.gamma * (0.5 * y + w * log))
     }
 
-    /// The gain where `t` is 0, and at rest.
+    /// The gain if `t` is 0, and at rest.
     #[cold]
     #[inline(never)]
     fn far(&self, y: f32, velocity_dt_m: f32) -> f32 {
         if velocity_dt_m == 0.0 {
-            // 0/0 at rest, and x infinite at a turning point: the compensation is off in both.
+            // 0/0 at rest, and infinite x at a turning point: the compensation is off in both.
             return 0.0;
         }
         let exponent = -self.gamma * (0.5 * y - 1.0);
@@ -90,7 +90,7 @@ impl SechGain {
         let rest = x - whole as f32;
         let [a, b, c, d, e] = self.power;
         let square = rest * rest;
-        // Not by Horner's rule, in which each operation waits for the one before.
+        // Not Horner's rule, where each operation waits for the previous one.
         let slope = (a + b * rest) + square * ((c + d * rest) + square * e);
         (1.0 + rest * slope) * f32::from_bits(((whole + 127) as u32) << 23)
     }

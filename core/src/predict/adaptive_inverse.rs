@@ -1,16 +1,16 @@
 //! Adaptive inverse compensation: Chen and Ricles, Earthquake Eng. Eng. Vib. 9 (2010) 1.
 //!
-//! The command is that of [`super::inverse`], and alpha moves by the tracking indicator TI, half of the difference of the
-//! areas that command against measured displacement and measured against command enclose. It grows by
-//! `(u_last m - m_last u) / 2` a step, which for a sine is half of the peak speed squared times the delay that is left:
-//! divided by that, the published `alpha = alpha_0 + k_p TI` needs no tuning. Both signals are taken about their running
-//! means: a yielded specimen stands off zero, and the area of that offset would outweigh the other. The published `k_i`
-//! times the integral of TI is left out; TI is an integral already.
+//! The command is that of [`super::inverse`], and alpha follows the tracking indicator TI, half of the difference of
+//! the areas that command against measured displacement and measured against command enclose. It grows by
+//! `(u_last m - m_last u) / 2` per step, which for a sine is half of the peak speed squared times the remaining delay:
+//! divided by that, the published `alpha = alpha_0 + k_p TI` needs no tuning. Both signals are relative to their
+//! running means: a yielded specimen is off zero, and the area of that offset would outweigh the other. The published
+//! `k_i` times the integral of TI is left out; TI is an integral already.
 //!
-//! Parameters: `delay_ms` to start with, `adaptation`. State 32 bytes an axis. Cost: some 50 operations.
+//! Parameters: initial `delay_ms`, `adaptation`. State 32 bytes per axis. Cost: some 50 operations.
 //!
 //! # When not to use it
-//! First order: the amplitude grows by `(omega tau)^2 / 2`. TI does not see a gain error, and does not mind one.
+//! First order: the amplitude grows by `(omega tau)^2 / 2`. TI neither sees a gain error nor is affected by one.
 
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -19,7 +19,7 @@ use crate::context::ActuatorContext;
 /// Constants of the adaptive inverse.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
-    /// alpha - 1 to start with.
+    /// Initial alpha - 1.
     pub delay: f32,
     /// How it is learnt.
     pub learning: Learning,
@@ -62,7 +62,7 @@ impl PredictAxis for AdaptiveInverse {
         let (u, m) = (followed.target_m, followed.measured_m);
         let [u_last, m_last] = self.last_m;
         let open = self.gate.open(&k.learning, u, u - u_last);
-        // The indicator adds up over whole cycles: only the floor stops it, not a turning point.
+        // The indicator sums over whole cycles: it pauses only below the floor, not at a turning point.
         if (open || self.gate.peak_m > k.learning.floor_m) && followed.learn {
             let [c, d] = self.mean_m;
             let area = (u_last - c) * (m - d) - (m_last - d) * (u - c);

@@ -1,18 +1,18 @@
 //! Adaptive forward prediction: Wallace, Wagg and Neild, Proc. R. Soc. A 461 (2005) 3807.
 //!
 //! The command is the motion one delay ahead, `(1 + g) (u + tau v + tau^2/2 a)`; the delay tau and the gain error g are
-//! learnt from the tracking error `e = u_c - u_m`, which is `tau_rest v + g_rest u` where something is left to learn.
+//! learnt from the tracking error `e = u_c - u_m`, which is `tau_rest v + g_rest u` while something is left to learn.
 //! Wallace fits a polynomial to past targets; here the integration knows v and a, so no fit is needed. The law is a
 //! normalised gradient: `tau' = mu e v / V`, `g' = mu e u / U` with V and U the running peaks of v^2 and u^2.
 //!
 //! `u + tau v + tau^2/2 a` is a pure delay to second order, and exactly the inverse of a second-order actuator with a
 //! damping ratio of .707.
 //!
-//! Parameters: `delay_ms` to start with, `adaptation`. State 20 bytes an axis. Cost: some 40 operations.
+//! Parameters: initial `delay_ms`, `adaptation`. State 20 bytes per axis. Cost: some 40 operations.
 //!
 //! # When not to use it
-//! Beyond `omega tau` of about 1 for the highest mode that moves: the second-order term amplifies it. With an actuator
-//! that is neither a delay nor a lag of second order [`super::ats`] fits more of it.
+//! Beyond `omega tau` of about 1 for the highest active mode: the second-order term amplifies it. For an actuator that
+//! is neither a delay nor a second-order lag, [`super::ats`] fits more of it.
 
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -21,7 +21,7 @@ use crate::context::ActuatorContext;
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
-    /// Delay to start with, control steps.
+    /// Initial delay, control steps.
     pub delay: f32,
     /// How it is learnt.
     pub learning: Learning,

@@ -1,15 +1,15 @@
-//! Polynomial extrapolation by a delay that is estimated on line: Darby, Williams and Blakeborough, J. Eng. Mech. 128
-//! (2002) 1276.
+//! Polynomial extrapolation by a delay estimated on line: Darby, Williams and Blakeborough, J. Eng. Mech. 128 (2002)
+//! 1276.
 //!
-//! `tau' = C_p tanh(C_v v / V) e`: the tracking error `e = u_c - u_m` changes the delay where the specimen moves, and
-//! the hyperbolic tangent takes the place of a division by the velocity, which fails at a turning point. V is the
-//! running peak of the speed, so that C_p is a time; the extrapolation is that of [`super::lagrange`].
+//! `tau' = C_p tanh(C_v v / V) e`: the tracking error `e = u_c - u_m` changes the delay while the specimen moves, and
+//! the hyperbolic tangent replaces a division by the velocity, which fails at a turning point. V is the running peak of
+//! the speed, so that C_p is a time; the extrapolation is that of [`super::lagrange`].
 //!
-//! Parameters: `delay_ms` to start with, `order`, `adaptation`. State 276 bytes an axis. Cost: that of `lagrange` and
-//! some 30 operations.
+//! Parameters: initial `delay_ms`, `order`, `adaptation`. State 276 bytes per axis. Cost: that of `lagrange` and some
+//! 30 operations.
 //!
 //! # When not to use it
-//! A gain error looks like a delay half of the time, and biases it. Otherwise as [`super::lagrange`].
+//! A gain error looks like a delay half of the time, and biases it. Otherwise see [`super::lagrange`].
 
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -18,13 +18,13 @@ use super::past::PastTargets;
 use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
 
-/// C_v: at half of the peak speed the law has reached three quarters of its full effect.
+/// C_v: at half of the peak speed the law has three quarters of its full effect.
 const STEEPNESS: f32 = 2.0;
 
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
-    /// Delay to start with, control steps.
+    /// Initial delay, control steps.
     pub delay: f32,
     /// How it is learnt.
     pub learning: Learning,
@@ -85,7 +85,7 @@ impl PredictAxis for Darby {
     }
 }
 
-/// Within .025 of the hyperbolic tangent, with its slope at 0 and its value from 3 on.
+/// Within .025 of the hyperbolic tangent, with its slope at 0 and its limit from 3 on.
 #[inline]
 fn tanh(x: f32) -> f32 {
     let x = larger(smaller(x, 3.0), -3.0);

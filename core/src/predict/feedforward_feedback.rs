@@ -2,11 +2,11 @@
 //! J. Struct. Eng. 139 (2013) 1205.
 //!
 //! Feedforward is the inverse of the actuator model as a polynomial in s, `u + a_1 v + a_2 a + a_3 j`. Feedback adds a
-//! share of the tracking error that is left, low-passed at the actuator's own delay, as the published LQG regulator does
+//! fraction of the remaining tracking error, low-passed at the actuator's own delay, like the published LQG regulator
 //! about the feedforward's trajectory. The jerk is the difference of two accelerations.
 //!
-//! Parameters: `inverse` (`[a_1, a_2, a_3]` in powers of a second; left out: `tau, tau^2/2, 0` of `delay_ms`),
-//! `feedback`. State 8 bytes an axis. Cost: some 20 operations.
+//! Parameters: `inverse` (`[a_1, a_2, a_3]` in powers of a second; default: `tau, tau^2/2, 0` of `delay_ms`),
+//! `feedback`. State 8 bytes per axis. Cost: some 20 operations.
 //!
 //! # When not to use it
 //! It uses the declared values: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
@@ -22,9 +22,9 @@ use crate::refusal::{Refusal, accept};
 pub(crate) struct Constants {
     /// Coefficients of velocity, acceleration and jerk.
     pub inverse: [f32; 3],
-    /// Share of the filtered error that is sent.
+    /// Fraction of the filtered error that is fed back.
     pub feedback: f32,
-    /// What the low-pass takes of a new error.
+    /// Weight of a new error in the low-pass.
     pub smoothing: f32,
 }
 
@@ -116,7 +116,7 @@ mod tests {
         };
         let (without, with) = (error(0.0), error(0.5));
         assert!((without - 0.1).abs() < 0.01, "{without}");
-        // 0.1 / (1 + 0.9 * 0.5), and a little for the delay of the loop.
+        // 0.1 / (1 + 0.9 * 0.5), plus a little for the delay of the loop.
         assert!(with < 0.75 * without, "{with} of {without}");
     }
 

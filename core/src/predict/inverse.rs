@@ -1,12 +1,12 @@
 //! Inverse compensation: Chen and Ricles, J. Struct. Eng. 135 (2009) 1017.
 //!
-//! The actuator is taken to reach the command in `alpha` control steps, `G(z) = z / (alpha z - (alpha - 1))`, and the
-//! command is the target through the inverse: `u + (alpha - 1)(u - u_last)`. With `alpha - 1` the delay in steps.
+//! The actuator is assumed to reach the command in `alpha` control steps, `G(z) = z / (alpha z - (alpha - 1))`, and the
+//! command is the target through the inverse: `u + (alpha - 1)(u - u_last)`. `alpha - 1` is the delay in steps.
 //!
 //! Parameters: `delay_ms`. No state. Cost: 4 operations.
 //!
 //! # When not to use it
-//! First order: the amplitude grows by `(omega tau)^2 / 2`. It uses the declared delay.
+//! First order: the amplitude grows by `(omega tau)^2 / 2`. It relies on the declared delay.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;

@@ -1,22 +1,22 @@
 //! Minimal control synthesis with modified demand: Bonnet, Lim, Williams, Blakeborough, Neild, Stoten and Taylor, EESD
 //! 36 (2007) 119.
 //!
-//! MCS makes a plant follow a first-order reference model without knowing it: the command is `K_r r + K_x m`, and both
-//! gains grow with the error `y` of the output, `K_r = int alpha y r + beta y r`, `K_x` likewise with the measured
-//! displacement m. With the modified demand the reference model is undone beforehand, `r = u + tau v`, so that its
-//! output is the target itself and `y = u_c - m`. Here `K_r` begins at 1, the errors are taken relative to the running
-//! peak, and the integral parts are bounded and rate limited.
+//! MCS makes a plant follow a first-order reference model without knowing the plant: the command is `K_r r + K_x m`,
+//! and both gains grow with the output error `y`, `K_r = int alpha y r + beta y r`, `K_x` likewise with the measured
+//! displacement m. The modified demand inverts the reference model beforehand, `r = u + tau v`, so that its output is
+//! the target itself and `y = u_c - m`. Here `K_r` starts at 1, errors are relative to the running peak, and the
+//! integral parts are bounded and rate limited.
 //!
-//! Published is beta = alpha times 0.1 s, whatever alpha. Here [`PROPORTIONAL`] is fixed. Relative to the peak, beta is
-//! the feedback of the error in the mean over a cycle and twice that at the peaks; behind an actuator with a transport
-//! delay a feedback of more than the whole error makes the command jump from sample to sample, as far as the bounds of
-//! the gains let it, while the structure itself hardly moves.
+//! The published beta is alpha times 0.1 s, whatever alpha. Here [`PROPORTIONAL`] is fixed. Relative to the peak, beta
+//! is the mean feedback of the error over a cycle and twice that at the peaks; for an actuator with a transport delay,
+//! a feedback of more than the whole error makes the command jump from sample to sample, as far as the bounds of the
+//! gains allow, while the structure itself hardly moves.
 //!
-//! Parameters: `delay_ms`, `adaptation`. State 20 bytes an axis. Cost: some 40 operations.
+//! Parameters: `delay_ms`, `adaptation`. State 20 bytes per axis. Cost: some 40 operations.
 //!
 //! # When not to use it
-//! For a pure delay its two gains are not the right parameters: it trades amplitude for phase. The feedback of m goes
-//! round the actuator; `K_x` is therefore kept within [`MOST`].
+//! For a pure delay its two gains are the wrong parameters: it trades amplitude for phase. The feedback of m closes a
+//! loop around the actuator; `K_x` is therefore kept within [`MOST`].
 
 use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
@@ -112,7 +112,7 @@ mod tests {
                 gain: 0.9,
             },
         );
-        // The demand without the adaptation leaves the gain, 10 %.
+        // Without adaptation, the demand leaves the gain error, 10 %.
         assert!(rest < 0.03, "{rest}");
     }
 }

@@ -1,18 +1,18 @@
 //! First-order phase lead: Zhao, French, Shield and Posbergh, EESD 32 (2003) 1773.
 //!
 //! `(1 + T_1 s) / (1 + T_2 s)` on the command, with `T_1 - T_2` the delay, so that the phase is right for slow motion,
-//! and `T_2` a tenth of the delay, which limits what is made of noise to eleven times. Discretised by the trapezoidal
-//! rule.
+//! and `T_2` a tenth of the delay, which limits the amplification of noise to eleven times. Discretised by the
+//! trapezoidal rule.
 //!
-//! Parameters: `delay_ms`. State 8 bytes an axis. Cost: some 10 operations.
+//! Parameters: `delay_ms`. State 8 bytes per axis. Cost: some 10 operations.
 //!
 //! # When not to use it
-//! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
+//! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. It inverts a first-order lag.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
 
-/// T_2 over the delay.
+/// T_2 relative to the delay.
 const SHARE: f64 = 0.1;
 
 /// Constants of the lead: `y = new x + last x_1 + memory y_1`.

@@ -1,8 +1,8 @@
-//! What every window says of every regression, in no more memory than its columns take.
+//! The answers of every window for every regression, in no more memory than its columns take.
 
 use super::regression::{ACTUATOR, Answer, FORCE, LONGEST, WINDOWS};
 
-/// An answer with `M` columns; of no periods where there is none.
+/// An answer with `M` columns; zero periods if there is none.
 #[derive(Clone, Copy, Debug)]
 struct Kept<const M: usize> {
     theta: [f32; M],
@@ -40,13 +40,13 @@ impl<const M: usize> Kept<M> {
     }
 }
 
-/// The answers of the last round.
+/// The answers of the latest round.
 #[derive(Clone, Debug)]
 pub(super) struct Answers {
     actuator: [Kept<8>; WINDOWS],
     force: [Kept<7>; WINDOWS],
     unloading: [Kept<5>; WINDOWS],
-    /// What the free fit of each left in the longest window.
+    /// Mean square left by the free fit of each, in the longest window.
     left: [f32; 3],
 }
 
@@ -58,7 +58,7 @@ impl Answers {
         left: [0.0; 3],
     };
 
-    #[inline(never)] // So is an image some KiB smaller.
+    #[inline(never)] // Makes an image some KiB smaller.
     pub(super) fn put(&mut self, window: usize, regression: usize, answer: Option<Answer>) {
         if window == LONGEST {
             self.left[regression] = answer.map_or(0.0, |a| a.left);
@@ -70,7 +70,7 @@ impl Answers {
         }
     }
 
-    /// What a window says of a regression; what is left, of the longest alone.
+    /// A window's answer for a regression; `left` is that of the longest window only.
     #[inline(never)] // As above.
     pub(super) fn of(&self, window: usize, regression: usize) -> Option<Answer> {
         let left = if window == LONGEST {
@@ -85,12 +85,12 @@ impl Answers {
         }
     }
 
-    /// What all windows say of a regression.
+    /// The answers of all windows for a regression.
     pub(super) fn all(&self, regression: usize) -> impl Iterator<Item = Answer> {
         (0..WINDOWS).filter_map(move |window| self.of(window, regression))
     }
 
-    /// Nothing is said of a regression any more.
+    /// Discards the answers for a regression.
     pub(super) fn forget(&mut self, regression: usize) {
         (0..WINDOWS).for_each(|window| self.put(window, regression, None));
     }

@@ -1,15 +1,15 @@
-//! Corrections of what was named: lateness and gain of the actuator, sensors that read late.
+//! Corrections for named causes: lateness and gain of the actuator, sensors that read late.
 //!
-//! Each moves towards the value of a name that has settled, by a bounded step a block and inside bounds. It stays where it is while
-//! nothing has settled, and goes back where what has settled is something else. The watch goes on comparing the commands with what came
-//! of them, so a correction does not change what it finds.
+//! Each moves towards the value of a settled cause, by a bounded step per block and within bounds. It stays put while
+//! nothing has settled, and returns to zero if something else has settled. The watch keeps comparing the commands with
+//! the resulting motion, so a correction does not change its findings.
 //!
-//! | what | how |
+//! | correction | how |
 //! |---|---|
 //! | lateness of the actuator | the command is sent further ahead |
 //! | its gain | the command is divided by it |
 //! | a late displacement | the reading is advanced at the speed of the target |
-//! | a late force | the actuator is ahead by as much, so that the force belongs to the target; the displacement is read later by as much |
+//! | a late force | the actuator leads by it, so that the force belongs to the target; the displacement is delayed |
 
 use super::declared::Declared;
 use super::name::{Cause, Side};
@@ -29,19 +29,19 @@ pub struct Corrections {
     pub late_sensor: bool,
 }
 
-/// Share of what is left that a second corrects, and the most of it, s and share a second.
+/// Fraction of the remaining error corrected per second, and the largest rates, s and fraction per second.
 const SHARE_A_SECOND: f64 = 12.0;
 const MOST_LATE_A_SECOND: f64 = 0.04;
 const MOST_GAIN_A_SECOND: f64 = 0.2;
-/// Bounds of a correction: of the declared lateness, or of the phase of the first mode, rad, where that is more; of the gain; of a
-/// sensor's lateness, s. At that phase the motion at constant acceleration is ahead of a sine by 6e-4 of its peak.
+/// Bounds of a correction: of the declared lateness or, if larger, the phase of the first mode, rad; of the gain; of a
+/// sensor's lateness, s. At that phase, extrapolation at constant acceleration leads a sine by 6e-4 of its peak.
 const LEAST_LATENESS: f64 = -0.8;
 const MOST_LATENESS: f64 = 1.0;
 const MOST_LATE_RAD: f64 = 0.15;
 const MOST_GAIN: f32 = 0.2;
 const MOST_SENSOR_S: f32 = 0.01;
 
-/// The corrections by number: of the actuator's lateness, s, its gain, the displacement's and the force's lateness, s.
+/// The corrections by number: the actuator's lateness, s, its gain, the displacement's and the force's lateness, s.
 const LATENESS: usize = 0;
 const GAIN: usize = 1;
 const DISPLACEMENT: usize = 2;
@@ -51,7 +51,7 @@ const FORCE: usize = 3;
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
     allowed: Corrections,
-    /// Of what is left, and the most, a block: of a lateness, s, and of the gain.
+    /// Fraction of the remaining error, and the largest steps, per block: of a lateness, s, and of the gain.
     share: f32,
     most_late_s: f32,
     most_gain: f32,
@@ -85,9 +85,9 @@ pub(super) struct Corrector {
 }
 
 impl Corrector {
-    /// What has settled, if anything has; `may` be corrected for or not. What is corrected for and not in it any more, where something
-    /// else explains the same channel, was not it, and goes back. Of a lateness and a gain that it does not tell apart it is the one that
-    /// is corrected for already, or the one that is further from nothing and so explains more.
+    /// Aims at the settled causes, if any; `may`: correcting is allowed. A correction whose cause is no longer among
+    /// them, while another explains the same channel, was wrong and is withdrawn. Of a lateness and a gain that cannot
+    /// be told apart, the one already corrected wins, else the one further from zero, which explains more.
     pub(super) fn aim<'a>(
         &mut self,
         k: &Constants,
@@ -103,7 +103,7 @@ impl Corrector {
                 found[which] = Some(f);
             }
         }
-        // What is corrected for already goes before all others.
+        // A cause already corrected for takes precedence.
         let (mut best, mut furthest) = (None, f32::NEG_INFINITY);
         for (which, (goal, f)) in self.goal.iter_mut().zip(found).enumerate() {
             let Some(f) = f else {
@@ -140,7 +140,7 @@ impl Corrector {
         }
     }
 
-    /// A block later.
+    /// Advances by one block.
     pub(super) fn pass_block(&mut self, k: &Constants) {
         for (which, (now, goal)) in self.now.iter_mut().zip(self.goal).enumerate() {
             let most = match which {
@@ -151,19 +151,19 @@ impl Corrector {
         }
     }
 
-    /// How much of `cause` is corrected for, in the unit of the cause.
+    /// The present correction for `cause`, in the unit of the cause.
     pub(super) fn of(&self, cause: Cause) -> f32 {
         correction_of(cause, Corrections::default())
             .map_or(0.0, |(which, _)| self.now[which] * cause.per_si())
     }
 
-    /// How much of it will be.
+    /// The correction for it that is aimed at.
     pub(super) fn will_be_of(&self, cause: Cause) -> f32 {
         correction_of(cause, Corrections::default())
             .map_or(0.0, |(which, _)| self.goal[which] * cause.per_si())
     }
 
-    /// What is asked of the loop.
+    /// The resulting requests to the loop.
     pub(super) fn orders(&self, k: &Constants, hold: bool) -> AxisOrders {
         let [lateness_s, gain, displacement_s, force_s] = self.now;
         AxisOrders {
@@ -183,7 +183,7 @@ fn channel(cause: Cause) -> usize {
     }
 }
 
-/// The number of what corrects for a cause, and whether it is allowed.
+/// The number of the correction for a cause, and whether it is allowed.
 fn correction_of(cause: Cause, allowed: Corrections) -> Option<(usize, bool)> {
     match cause {
         Cause::ActuatorLate => Some((LATENESS, allowed.lateness)),
@@ -221,7 +221,7 @@ mod tests {
 
     const BLOCKS_HZ: f64 = 500.0;
 
-    /// Allowed to correct for everything on an actuator that is declared to be 8 ms late, with a structure of 6 rad/s.
+    /// All corrections allowed, for an actuator declared 8 ms late and a structure of 6 rad/s.
     fn constants() -> Constants {
         let mut declared = Declared::exact();
         (declared.actuator.delay_s, declared.actuator.lag_s) = (0.005, 0.003);
@@ -233,13 +233,13 @@ mod tests {
         Constants::new(&declared, allowed, BLOCKS_HZ)
     }
 
-    /// A lateness, ms, or a gain, so many deviations from nothing.
+    /// A lateness, ms, or a gain, at a distance of `deviations` standard deviations from zero.
     fn found(cause: Cause, value: f32, deviations: f32) -> Finding {
         let sd = value / deviations;
         Finding { cause, value, sd }
     }
 
-    /// What is corrected for after so many seconds with a set that has settled: lateness, ms, and gain.
+    /// The corrections after `seconds` with a settled set: lateness, ms, and gain.
     fn after(own: &mut Corrector, (set, may): (&[Finding], bool), seconds: f64) -> [f32; 2] {
         let k = constants();
         for _ in 0..(seconds * BLOCKS_HZ) as usize {
@@ -264,7 +264,7 @@ mod tests {
         let mut own = Corrector::default();
         let both = [gain(3.0), late(5.0)];
         assert_near(after(&mut own, (&both, true), 2.0), [4.0, 0.0]);
-        // It goes on with what it has begun with.
+        // The first choice is kept.
         let both = [gain(6.0), late(5.0)];
         assert_near(after(&mut own, (&both, true), 2.0), [4.0, 0.0]);
         assert_near(after(&mut own, (&[gain(9.0)], true), 2.0), [0.0, -0.05]);

@@ -1,4 +1,4 @@
-//! What the watch is told of one actuator: the declared model with its tolerances, and the scales of the test.
+//! What the watch knows of one actuator in advance: the declared model with its tolerances, and the scales of the test.
 
 use crate::refusal::{Refusal, accept};
 
@@ -56,12 +56,12 @@ pub struct DeclaredActuator {
     pub tolerances: [f64; 3],
 }
 
-/// Standard tolerances that count as one where a smaller one is declared: they are what a rig's own spread leaves, of the
-/// gain, of the lateness in its own parts and in s, of the offset in peaks.
+/// Lower bounds on declared standard tolerances, for a rig's own spread: of the gain, of the lateness as a fraction of
+/// itself and in s, of the offset in peaks.
 const LEAST_GAIN: f64 = 0.003;
 const LEAST_LATE: [f64; 2] = [0.08, 2e-4];
 const LEAST_OFFSET: f64 = 0.002;
-/// A stiffness.
+/// The same for the stiffness.
 const LEAST_STIFFNESS: f64 = 0.025;
 
 /// Half tolerances of the columns of each regression, in the units of [`Row`](super::signals::Row).
@@ -73,7 +73,7 @@ pub(super) struct HalfTolerances {
 }
 
 impl Declared {
-    /// An elastic specimen on an actuator without error, known well.
+    /// An elastic specimen on an ideal actuator, tightly known.
     #[cfg(test)]
     pub(super) fn exact() -> Self {
         Self {
@@ -102,10 +102,10 @@ impl Declared {
         }
     }
 
-    /// That the numbers can be what they stand for.
+    /// Checks that the numbers are possible.
     ///
     /// # Errors
-    /// The first that cannot.
+    /// The first that is not.
     pub fn check(&self) -> Result<(), Refusal> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let a = &self.actuator;
@@ -158,7 +158,7 @@ impl Declared {
         Ok(())
     }
 
-    /// Half of what is tolerated of each column: a declared tolerance is a standard one, and twice that is tolerated.
+    /// Half the tolerated range of each column: declared tolerances are standard deviations, tolerated twice over.
     pub(super) fn half_tolerances(&self) -> HalfTolerances {
         let w = self.omega_rad_per_s;
         let late_s = self.actuator.delay_s + self.actuator.lag_s;
@@ -168,15 +168,15 @@ impl Declared {
         let offset = (offset / self.peak_m).max(LEAST_OFFSET);
         let bend = 0.5 * (0.6 * late_s * w * late_s * w + 0.002);
         let slope = self.stiffness_tolerance.max(LEAST_STIFFNESS);
-        // As the force at the peak is of the stiffness.
+        // Scaled by stiffness, like the force at the peak.
         let [damping, mass, force_offset] = self.specimen_tolerances;
         let per_stiffness = 1.0 / self.stiffness_n_per_m;
         let v = (0.5 * (0.012 + 3e-4 * w)).max(damping * w * per_stiffness);
         let mass = (mass * w * w * per_stiffness).max(0.006);
         let zero = (force_offset * per_stiffness / self.peak_m).max(0.004);
         let to_f32 = |x: f64| x as f32;
-        // A stiffness that bends is tolerated up to 30 % at the peak in the whole motion, up to 8 % in what unloads.
-        // A friction is what the force jumps by at a turn, where filter and presliding round the corner of a specimen that yields.
+        // A bent stiffness is tolerated up to 30 % at the peak over the whole motion, up to 8 % during unloading.
+        // Friction is a jump of force at a turn, where filter and presliding round the corner of a yielding specimen.
         HalfTolerances {
             actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2, 0.002].map(to_f32),
             force: [zero, slope, v, mass, 0.004, 0.004, 0.15].map(to_f32),

@@ -1,16 +1,16 @@
-//! What a named cause will have added to the error at the end of the test.
+//! The error that a named cause will have added by the end of the test.
 //!
-//! A cause is a change of the force that the equation of motion gets, in phase with the displacement (`re`, of the stiffness) and
-//! in phase with the velocity (`im`, which feeds the motion: a lateness `tau` is `omega tau`). Near the structure's frequency the
-//! error of the amplitude then grows by
+//! A cause is treated as a change of the force in the equation of motion, in phase with the displacement (`re`,
+//! relative to the stiffness) and in phase with the velocity (`im`, which feeds the motion: a lateness `tau` is
+//! `omega tau`). Near the structure's frequency the error of the amplitude then grows by
 //!
 //! ```text
 //! e' = omega (|re + i im| a / 2 - z e),   z = zeta - im / 2
 //! ```
 //!
-//! first order, as if its phase stayed; `a` is the amplitude that is planned, and constant over each of [`PARTS`] parts of the
-//! test. Where `z` is below 0 it grows by itself. An offset is an error as large as itself, a drift one that grows. What a sensor adds that no
-//! controller follows, and what a specimen does itself, is none.
+//! to first order, as if its phase stayed; `a` is the planned amplitude, taken as constant over each of [`PARTS`] parts
+//! of the test. If `z` is below 0 the error grows by itself. An offset is an error as large as itself, a drift a
+//! growing one. Sensor errors that no controller follows, and changes of the specimen itself, do not count.
 
 use super::declared::Declared;
 use super::name::Cause;
@@ -21,7 +21,7 @@ use core::f32::consts::{PI, SQRT_2};
 /// sqrt(3).
 const SQRT_3: f32 = 1.732_050_8;
 
-/// Parts of a test over each of which the planned motion is one number.
+/// Parts of a test, over each of which the planned motion is one number.
 pub const PARTS: usize = 16;
 
 /// Where a test is to be stopped, and what the structure and the test are.
@@ -38,7 +38,7 @@ pub struct ErrorLimit {
     pub planned_rms: [f64; PARTS],
 }
 
-/// What the prediction is made of.
+/// The inputs to the prediction.
 #[derive(Clone, Debug)]
 pub(super) struct Foresight {
     largest: f32,
@@ -50,7 +50,7 @@ pub(super) struct Foresight {
     amplitude: [f32; PARTS],
 }
 
-/// Beyond so many time constants an error that grows is a large one anyway.
+/// Beyond this many time constants a growing error is large anyway.
 const LONGEST: f32 = 20.0;
 
 impl Foresight {
@@ -66,13 +66,13 @@ impl Foresight {
         }
     }
 
-    /// The largest error that is declared.
+    /// The largest permitted error, as declared.
     pub(super) fn largest(&self) -> f32 {
         self.largest
     }
 
-    /// The rms error of the whole test that a cause adds which acts from `from_s` on, of the planned peak; `corrected` of its
-    /// value is taken out.
+    /// The rms error over the whole test that a cause adds if it acts from `from_s` on, relative to the planned peak;
+    /// `corrected` is the part of its value that is already compensated.
     pub(super) fn error(&self, f: &Finding, corrected: f32, from_s: f32) -> f32 {
         let rest = larger(1.0 - from_s / self.duration_s, 0.0);
         let value = (f.value - corrected) / f.cause.per_si();
@@ -83,7 +83,7 @@ impl Foresight {
         }
     }
 
-    /// The envelope from the share `from` of the test on, rms over the whole of it.
+    /// The error envelope from the fraction `from` of the test on, as rms over the whole test.
     fn grown(&self, re: f32, im: f32, from: f32) -> f32 {
         let z = self.damping_ratio - 0.5 * im;
         let feeds = 0.5 * libm::sqrtf(re * re + im * im);
@@ -101,7 +101,7 @@ impl Foresight {
             };
             let before = e;
             e += feeds * amplitude * grown - gone * e;
-            // Of an envelope that is about a line.
+            // Mean square of a nearly linear envelope.
             square += share * (before * before + before * e + e * e) / 3.0;
         }
         libm::sqrtf(square / (2.0 * PARTS as f32))
@@ -109,14 +109,14 @@ impl Foresight {
 
     fn change(&self, cause: Cause, value: f32, rest_s: f32) -> Change {
         let force = self.peak_m * self.stiffness;
-        // Friction is the first harmonic of a rectangle.
+        // Friction: the first harmonic of a square wave.
         let rub = |share: f32| 4.0 / PI * share.abs();
         let (re, im) = match cause {
             Cause::ActuatorLate | Cause::ForceLate => (0.0, self.omega * value),
             Cause::ActuatorGain | Cause::ForceGain => (value, 0.0),
             Cause::ActuatorOffset => return Change::Offset(value / self.peak_m),
             Cause::ForceOffset => return Change::Offset(value / force),
-            // Rms of a line that begins at 0.
+            // Rms of a line that starts at 0.
             Cause::ForceDrift => return Change::Offset(value * rest_s / (SQRT_3 * force)),
             Cause::ActuatorDrift => return Change::Offset(value * rest_s / (SQRT_3 * self.peak_m)),
             Cause::ActuatorFriction => (0.0, rub(value / self.peak_m)),
@@ -142,13 +142,13 @@ impl Foresight {
     }
 }
 
-/// What a cause does to the motion.
+/// The effect of a cause on the motion.
 #[derive(Clone, Copy, Debug)]
 enum Change {
     None,
-    /// It stands beside, by a share of the planned peak.
+    /// A constant error, as a fraction of the planned peak.
     Offset(f32),
-    /// The force changes in phase with displacement and velocity, of the stiffness.
+    /// A force change in phase with displacement and velocity, relative to the stiffness.
     Force([f32; 2]),
 }
 
@@ -158,7 +158,7 @@ mod tests {
 
     const OMEGA: f32 = core::f32::consts::TAU;
 
-    /// A motion that is planned to fade from 1 to a half.
+    /// A motion planned to fade from 1 to a half.
     fn foresight() -> Foresight {
         Foresight {
             largest: 0.1,
@@ -180,7 +180,7 @@ mod tests {
         foresight().error(&finding, corrected, from_s)
     }
 
-    /// The envelope equation of the head of this file, step by step.
+    /// The envelope equation from the head of this file, integrated step by step.
     fn integrated(re: f64, im: f64, from_s: f64) -> f64 {
         let (w, zeta, h) = (f64::from(OMEGA), 0.03, 1e-4);
         let (mut e, mut square, mut t) = (0.0, 0.0, from_s);
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn it_is_what_the_envelope_comes_to_damped_undamped_and_growing() {
-        // At 9.55 ms what is fed is what the structure takes out.
+        // At 9.55 ms the energy fed in equals the structure's own dissipation.
         for late_ms in [2.0, 0.06 / 6.283e-3, 14.0] {
             for from_s in [0.0, 6.5, 15.2] {
                 let own = error(Cause::ActuatorLate, late_ms as f32, 0.0, from_s as f32);

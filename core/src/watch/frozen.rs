@@ -1,30 +1,30 @@
-//! Sensors that stand still: with the same word for ever, or with their noise around one value.
+//! Frozen sensors: with the same word for ever, or with noise around one value.
 
 use crate::float::{larger, smaller};
 use libm::sqrtf;
 
-/// Blocks whose mean is looked at, and how many such means in a row.
+/// Blocks in a mean, and how many such means in a row.
 const BLOCKS: u8 = 25;
 const IN_A_ROW: u8 = 3;
-/// The mean moves by less than this many of its standard deviations, and peaks, where the sensor stands.
+/// A sensor counts as frozen if its mean moves by less than this many of its standard deviations, plus this many peaks.
 const STANDS: f32 = 4.0;
 const STANDS_PEAKS: f32 = 1e-3;
-/// What it should have followed moves in each by at least so much, peaks.
+/// Least motion of the signal that it should have followed, for each mean, peaks.
 const MOVES: f32 = 0.02;
-/// Way there and back over which a force that never changed is no specimen's, peaks, and of what counts as standing.
+/// Travel there and back without a change of force that no specimen shows, peaks, and relative to what counts as still.
 const THERE_AND_BACK: f32 = 0.05;
 const TIMES_STILL: f32 = 3.0;
-/// Equal words while what is measured moves, for so many control steps.
+/// Control steps with equal words while the measured quantity moves.
 const SAME_STEPS: u16 = 40;
 
-/// An elastic specimen's force stands where it moves by no more than so many standard deviations, and peaks, over so long a way.
+/// An elastic specimen's force is frozen if it moves by at most so many deviations, plus peaks, over this travel.
 const ELASTIC_DEVIATIONS: f32 = 6.0;
 const ELASTIC_PEAKS: f32 = 2e-3;
 const ELASTIC_WAY: f32 = 0.1;
-/// A force below this may be that of a gap, peaks.
+/// A force below this may be inside a gap, peaks.
 const IN_A_GAP: f32 = 0.05;
 
-/// What stands still.
+/// The frozen sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Standing {
     Displacement,
@@ -37,19 +37,19 @@ pub(super) struct Frozen {
     sums: [f32; 3],
     last: Option<[f32; 3]>,
     count: u8,
-    /// Means in a row in which displacement and force stood while the rest moved.
+    /// Consecutive means in which displacement and force stood still while the rest moved.
     stood: [u8; 2],
-    /// The force from which on it has stood, and the displacement since.
+    /// The force at which it last began to stand still, and the displacement since.
     from: f32,
     stands: Followed,
-    /// What each sensor should have followed since its word last changed, or since it is looked at, and the force since the
-    /// displacement's has.
+    /// The signal that each sensor should have followed since its word last changed (or since the start), and the force
+    /// since the displacement word last changed.
     since: [Option<Followed>; 3],
     /// Displacement and force where the force of an elastic specimen last moved.
     elastic: Option<[f32; 2]>,
 }
 
-/// Where a motion has been, and how far it has come from either end.
+/// The range of a motion, and the distance travelled from either end.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     span: [f32; 2],
@@ -73,20 +73,20 @@ impl Followed {
         ];
     }
 
-    /// True if it went further than `way` in one direction.
+    /// True if it travelled further than `way` in one direction.
     fn went(&self, way: f32) -> bool {
         self.ways.iter().any(|own| *own > way)
     }
 
-    /// True if it went so far and came back as far. On a plateau of yielding a force stands only until the motion turns.
+    /// True if it travelled that far both ways. On a yield plateau a force is constant only until the motion turns.
     fn came_back(&self, way: f32) -> bool {
         self.ways.iter().all(|own| *own > way)
     }
 }
 
 impl Frozen {
-    /// Takes a block in: declared way, displacement and force in peaks, their noise a block, and for how many control steps
-    /// the words have been the same. `elastic`: here the specimen has been before, and was elastic.
+    /// Adds a block: declared displacement, displacement and force in peaks, their noise per block, and for how many
+    /// control steps the words have been the same. `elastic`: the specimen has been here before, and was elastic.
     pub(super) fn add(
         &mut self,
         raw: [f32; 3],
@@ -109,7 +109,7 @@ impl Frozen {
             *since
         });
         let moves = MOVES + 6.0 * sigma[0];
-        // A ram that rests, behind its play or at the end of its stroke, rests with its force.
+        // If a ram rests, within its play or at the end of its stroke, its force rests, too.
         let goes_on = beside.went(MOVES + 6.0 * sigma[1]);
         if same[0] > SAME_STEPS && displacement.went(moves) && goes_on {
             return Some(Standing::Displacement);
@@ -130,11 +130,11 @@ impl Frozen {
         self.judge(means, last, sigma)
     }
 
-    /// True if the force of an elastic specimen stands while it goes where it has been before.
+    /// True if the force of an elastic specimen stays constant during motion within its previous range.
     fn stands_elastic(&mut self, [x, r]: [f32; 2], sigma: [f32; 2], elastic: bool) -> bool {
         let [from_x, from_r] = *self.elastic.get_or_insert([x, r]);
         let noise = ELASTIC_DEVIATIONS * larger(sigma[0], sigma[1]) + ELASTIC_PEAKS;
-        // In a gap there is no force that could move.
+        // In a gap there is no force to change.
         if !elastic || r.abs() < IN_A_GAP || (r - from_r).abs() > noise {
             self.elastic = Some([x, r]);
             return false;
@@ -144,11 +144,11 @@ impl Frozen {
 
     fn judge(&mut self, means: [f32; 3], last: [f32; 3], sigma: [f32; 2]) -> Option<Standing> {
         let [dy, dx, dr] = core::array::from_fn(|j| means[j] - last[j]);
-        // Of a difference of two means.
+        // For a difference of two means.
         let per_mean = sqrtf(2.0 / f32::from(BLOCKS));
         let still = |j: usize| STANDS * per_mean * sigma[j] + STANDS_PEAKS;
         let clearly = |j: usize| MOVES + 2.0 * still(j);
-        // The force goes on with the motion: it is the reading that stands, not the ram.
+        // The force continues with the motion: the reading is frozen, not the ram.
         if dx.abs() < still(0) && dy.abs() > clearly(0) && dr.abs() > clearly(1).max(0.2 * dy.abs())
         {
             self.stood[0] = self.stood[0].saturating_add(1);
@@ -182,8 +182,8 @@ impl Frozen {
 mod tests {
     use super::*;
 
-    /// What stands of 60 s of a motion of 1 Hz on a specimen that yields at `yields`, with noise of so much a block; after 5 s
-    /// the force stands at what it was, if it does.
+    /// The frozen sensor found in 60 s of 1 Hz motion of a specimen that yields at `yields`, with noise of `sigma` per
+    /// block; if `stands`, the force reading freezes after 5 s.
     fn standing(sigma: f32, yields: f32, stands: bool) -> Option<Standing> {
         let mut frozen = Frozen::default();
         let (mut seed, mut plastic, mut kept) = (1_u32, 0.0_f32, 0.3);
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn an_elastic_force_that_does_not_move_stands_but_for_that_of_a_gap() {
-        // From -0.4 on, with a gap or a force that stands from 0.2 on.
+        // From -0.4 on, with a gap, or with a force that freezes at 0.2.
         let found = |gap: f32, stands: bool, elastic: bool| {
             let mut frozen = Frozen::default();
             (0..800_u16).find_map(|i| {
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn a_word_that_stays_on_a_plateau_is_no_sensor_that_stands_until_the_motion_has_come_back() {
-        // On a coarse converter the force keeps its word while the displacement goes on; then it turns.
+        // On a coarse converter the force keeps its word while the displacement continues; then it turns.
         let standing = |turns: bool| {
             let mut frozen = Frozen::default();
             (0..80_u16).find_map(|i| {

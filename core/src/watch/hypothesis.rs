@@ -1,20 +1,20 @@
-//! The single cause that explains a window best, and whether it stands out enough for a name.
+//! The single cause that explains a window best, and whether it is clear enough to be named.
 
 use super::regression::Answer;
 
-/// Twice the logarithm of the likelihood ratio from which there is a name: of the actuator, of the force, of the unloading.
+/// Twice the log-likelihood ratio needed for a name: of the actuator, of the force, of the unloading.
 const NAME: [f32; 3] = [12.0, 12.0, 48.0];
-/// By how many standard deviations a value is beyond its tolerance of two halves.
+/// Standard deviations by which a value must exceed its tolerance of two halves.
 const BEYOND: [f32; 3] = [2.0, 2.0, 5.0];
-/// Share of the residual that the free fit has to explain.
+/// Fraction of the residual that the free fit must explain.
 const EXPLAINED: f32 = 0.7;
 
-/// What a change has beside what the same test has learnt: likelihood ratio, deviations of both, half tolerances.
+/// For a change relative to values learnt in the same test: likelihood ratio, deviations of both, half tolerances.
 const CHANGED: f32 = 12.0;
 const CHANGED_DEVIATIONS: f32 = 3.5;
 const CHANGED_BY: f32 = 3.5;
 
-/// Columns of the actuator's regression that are what it cannot go beyond: a speed, a stroke.
+/// Columns of the actuator's regression that are limits: speed, stroke.
 const LIMITS: [usize; 2] = [5, 6];
 
 /// The best single cause of a regression in a window.
@@ -26,18 +26,18 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
-    #[inline(never)] // It is asked for in many places.
+    #[inline(never)] // It is called from many places.
     pub(super) fn of(answer: Answer) -> Self {
         let (column, d) = answer.best();
         Self { d, column, answer }
     }
 
-    /// True if it stands out as a doubt, and a limit of the actuator explains it about as well as anything.
+    /// True if it qualifies as a doubt, and a limit of the actuator explains it about as well as anything else.
     pub(super) fn is_limit_in_doubt(&self, doubt: f32) -> bool {
         self.d > doubt && self.set().any(|column| LIMITS.contains(&column))
     }
 
-    /// True if it stands out enough for a name.
+    /// True if it is clear enough to be named.
     #[inline(never)] // As above.
     pub(super) fn is_name(&self, regression: usize) -> bool {
         let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
@@ -46,7 +46,7 @@ impl Hypothesis {
             && self.answer.explained > EXPLAINED
     }
 
-    /// True if its coefficient is further from nothing than one that was learnt, by so much that it is another one.
+    /// True if its coefficient is further from zero than a learnt one, by enough to be a different one.
     #[inline(never)] // As above.
     pub(super) fn is_change_from(&self, [learnt, learnt_sd]: [f32; 2]) -> bool {
         let (theta, sd) = (self.answer.theta[self.column], self.answer.sd(self.column));
@@ -59,7 +59,7 @@ impl Hypothesis {
             && self.answer.explained > EXPLAINED
     }
 
-    /// The columns that explain it about as well.
+    /// The columns that explain the window about as well.
     pub(super) fn set(&self) -> impl Iterator<Item = usize> {
         let least = 0.92 * self.d - 6.0;
         let d = self.answer.ratios();
@@ -67,12 +67,12 @@ impl Hypothesis {
     }
 }
 
-/// The least coefficient of a column that would be a name beside the noise of a window, half tolerances.
+/// The least coefficient of a column that would be named given the noise of a window, half tolerances.
 pub(super) fn least_named(answer: &Answer, regression: usize, column: usize) -> Option<f32> {
     let sd = answer.sd(column);
     let beyond = 2.0 + BEYOND[regression] * sd;
     let likely = libm::sqrtf(NAME[regression] * (sd * sd + 1.0));
-    // Without freedom there is no deviation either.
+    // Without freedom there is no deviation.
     (sd > 0.0).then(|| beyond.max(likely))
 }
 
@@ -84,7 +84,7 @@ mod tests {
     fn a_limit_is_in_doubt_where_it_explains_what_stands_out_about_as_well_as_the_best() {
         let in_doubt = |gain: f32, stroke: f32| {
             let mut answer = Answer::default();
-            // Without a deviation it is the square of the coefficient.
+            // With zero variance the ratio is the square of the coefficient.
             (answer.theta[1], answer.theta[6]) = (libm::sqrtf(gain), libm::sqrtf(stroke));
             Hypothesis::of(answer).is_limit_in_doubt(8.0)
         };

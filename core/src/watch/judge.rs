@@ -1,4 +1,4 @@
-//! From hypotheses to causes: which of them, since when; `judge/naming.rs`: on which side.
+//! From hypotheses to causes: which, and since when; `judge/naming.rs` decides on which side.
 
 mod naming;
 
@@ -13,7 +13,7 @@ use super::trend::Trend;
 use crate::float::larger;
 use heapless::Vec;
 
-/// Where an offset stands out, and on each side on which it may be the cause with its drift.
+/// Regression in which an offset shows, and for each possible side the offset cause with its drift.
 const OFFSETS: &[(usize, &[[Cause; 2]]); 2] = &[
     (
         ACTUATOR,
@@ -24,49 +24,49 @@ const OFFSETS: &[(usize, &[[Cause; 2]]); 2] = &[
     ),
     (FORCE, &[[Cause::ForceOffset, Cause::ForceDrift]]),
 ];
-/// The first columns of the force and the unloading, by which another side is told.
+/// The first columns of the force and the unloading, used to tell sides apart.
 const REFERRED: usize = 3;
-/// Columns of the regression of the actuator whose side another channel can tell.
+/// Columns of the actuator's regression whose side another channel can determine.
 const OFFSET: usize = 0;
 const GAIN: usize = 1;
 const LATE: usize = 2;
-/// Blocks from one judgement to the next: 50 ms.
+/// Blocks between judgements: 50 ms.
 pub(super) const BLOCKS_A_ROUND: u8 = 25;
-/// Causes whose values are kept.
+/// Number of causes whose values are kept.
 const MOST_FINDINGS: usize = 8;
-/// Twice the logarithm of the likelihood ratio from which there is a doubt: of the actuator, of the force, of the unloading.
+/// Twice the log-likelihood ratio that raises a doubt: of the actuator, of the force, of the unloading.
 const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
-/// What stands for the share of a cause that has been in the set all the time.
+/// Represents the fraction of a cause that has always been in the set.
 const ALWAYS: f32 = 65_535.0;
-/// Judgements after which a set that is still the same has settled.
+/// Judgements after which an unchanged set counts as settled.
 const SETTLED: u8 = 3;
-/// Rounds in a row; more of them where they began in the first second that is judged, in which few samples tell little.
+/// Consecutive rounds needed; more if they began in the first second judged, when there are few samples.
 const ROUNDS: u8 = 3;
 const FIRST_ROUNDS: u8 = 20;
 const ROUNDS_AT_FIRST: u8 = 12;
-/// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
+/// Natural periods after which a doubt without a name lapses; those for which a new largest motion counts as new.
 const FALLS_BACK: f32 = 2.0;
 const NEW_LARGEST: f32 = 4.0;
-/// A secant below this share of the declared stiffness is one that has yielded, at a motion that tells, peaks.
+/// A secant below this fraction of the declared stiffness means yielding, for motions above this size, peaks.
 const SECANT: f32 = 0.9;
 const WORTH_A_SECANT: f32 = 0.1;
-/// Where a motion has turned, back by this share, a force has yielded that is so far below what the declared stiffness with its
-/// tolerance made of the largest, peaks.
+/// After a turn back to this fraction of the largest displacement, the specimen has yielded if its force fell short of
+/// the declared stiffness, allowing for the tolerance, by more than this, peaks.
 const TURNED: f32 = 0.98;
 const SHORT: f32 = 0.01;
-/// What makes a largest motion a new one.
+/// Factor by which a motion must exceed the largest to be a new largest.
 const LARGER: f32 = 1.02;
-/// Periods of samples from which the reference is one.
+/// Periods of samples needed for a reference.
 const LEARNED: f32 = 1.0;
 const LEARNED_UNLOADING: f32 = 0.25;
-/// Twice the logarithm of the likelihood ratio below which what unloads is what it was.
+/// Twice the log-likelihood ratio below which the unloading is considered unchanged.
 const CALM: f32 = 4.0;
 /// Columns of the unloading that may change: slope and lateness.
 const CHANGES: usize = 2;
-/// Deviations by which one side is possible and the other worse.
+/// Deviations within which a side is possible, and by which the other side must be worse.
 const POSSIBLE: f32 = 3.0;
 const WORSE: f32 = 2.0;
-/// What a reference may be off: slope, offset in peaks, lateness in half tolerances.
+/// Allowed errors of a reference: slope, offset in peaks, lateness in half tolerances.
 const SLOPE_OFF: f32 = 0.006;
 const OFFSET_OFF: f32 = 0.002;
 const LATE_OFF: f32 = 0.6;
@@ -76,7 +76,7 @@ fn slope_of(regression: usize) -> usize {
     1 - usize::from(regression == UNLOADING)
 }
 
-/// The column of a regression that is a stiffness which depends on the displacement: the specimen's own.
+/// The column of a regression for a displacement-dependent stiffness: the specimen's own.
 fn bend_of(regression: usize) -> usize {
     if regression == UNLOADING { 4 } else { 6 }
 }
@@ -89,7 +89,7 @@ pub(super) struct Constants {
     omega: f32,
     stiffness: f32,
     blocks_a_period: f32,
-    /// Share by which a membership moves in a round.
+    /// Fraction by which a membership moves in a round.
     settles: f32,
 }
 
@@ -114,9 +114,9 @@ impl Constants {
         self.blocks_a_period / f32::from(BLOCKS_A_ROUND)
     }
 
-    /// What a column of a regression stands for, with its unit in a half tolerance; nothing where the sign of its coefficient
-    /// is no cause's: friction and forces that push, a force that is early. The bend of the phase is a part of the lateness, a
-    /// stiffness that depends on the way the specimen's own.
+    /// The cause that a column of a regression represents, with its unit per half tolerance; `None` if the sign of the
+    /// coefficient fits no cause: friction and forces that push, a force that is early. The bend of the phase is part
+    /// of the lateness, a displacement-dependent stiffness belongs to the specimen.
     fn meaning(&self, regression: usize, column: usize, theta: f32) -> Option<(Cause, f32)> {
         let force = self.peak_m * self.stiffness;
         let (cause, unit, half) = if regression == ACTUATOR {
@@ -155,43 +155,43 @@ impl Constants {
     }
 }
 
-/// What is thought of the rig.
+/// The present judgement of the rig.
 #[derive(Clone, Debug)]
 pub(super) struct Judge {
     pub(super) state: State,
     pub(super) published: Set,
     pub(super) findings: Vec<Finding, MOST_FINDINGS, u8>,
-    /// False once the specimen has shown that it is not, whatever was declared.
+    /// False once the specimen has shown that it is not elastic, whatever was declared.
     pub(super) elastic: bool,
     answers: Answers,
-    /// Of the longest window while the test was sound: what the free fit left, and coefficients with deviations of the force and the
-    /// unloading. Before there is one the declared value is it, with its tolerance.
+    /// From the longest window while the test was sound: the residual of the free fit, and coefficients with deviations
+    /// of the force and the unloading. Until then, the declared value with its tolerance serves instead.
     left: [f32; 3],
     reference: [[[f32; 2]; REFERRED]; 2],
-    /// Slope and lateness of the unloading while they were what they had been, with deviations.
+    /// Slope and lateness of the unloading from before any change, with deviations.
     learnt: [[f32; 2]; CHANGES],
     streaks: [u8; 3],
-    /// Judgements of this test, as far as they are counted.
+    /// Judgements of this test, saturating.
     rounds: u8,
-    /// How what stands out as an offset goes on, between command and displacement and of the force.
+    /// Trends of apparent offsets, from command to displacement and of the force.
     trends: [Trend; 2],
-    /// Share of the last time in which each cause was in the set, of [`ALWAYS`].
+    /// Recent fraction of time that each cause was in the set, relative to [`ALWAYS`].
     member: [u16; Cause::ALL.len()],
-    /// Causes that are no regression's, named in this round.
+    /// Causes found without regression, named in this round.
     heard: Set,
     /// Blocks since the doubt began.
     doubt: Option<u32>,
     largest: f32,
     since_largest: u32,
-    /// The furthest that it went to either side, and by how much the force was below the declared one there: what a specimen that
-    /// has yielded may leave behind.
+    /// The largest displacement to either side, and the shortfall of the force there relative to the declared one: a
+    /// yielded specimen may leave that behind.
     furthest: [f32; 2],
     short: [f32; 2],
     limits: [f32; 2],
     speed: f32,
-    /// A limit may explain what stands out between command and displacement.
+    /// A limit may explain the deviation between command and displacement.
     doubts_limit: bool,
-    /// Judgements since the set was another one.
+    /// Judgements since the set last changed.
     unchanged: u8,
 }
 
@@ -230,14 +230,14 @@ impl Judge {
         }
     }
 
-    /// Looks at how large the motion is.
+    /// Tracks the size of the motion.
     pub(super) fn see(&mut self, k: &Constants, row: &Row) {
         self.speed = row.y[1].abs();
         self.limits = row.limits;
         let x = row.x[0].abs();
         if x > LARGER * self.largest {
             (self.largest, self.since_largest) = (x, 0);
-            // Its secant has fallen where it goes further than ever: it yields, whatever was declared.
+            // A fallen secant at a new largest motion: the specimen yields, whatever was declared.
             self.elastic &= x < WORTH_A_SECANT || row.r.abs() > SECANT * x;
         }
         let (side, sign) = if row.x[0] > 0.0 { (0, 1.0) } else { (1, -1.0) };
@@ -245,19 +245,19 @@ impl Judge {
             self.furthest[side] = x;
             self.short[side] = larger(x - sign * row.r, 0.0);
         } else if x < TURNED * self.furthest[side] && self.furthest[side] > WORTH_A_SECANT {
-            // So it does where its force falls short at the turn. On the way there one that is read late is behind as well.
+            // So does a force that falls short at the turn. On the way there a force that is read late lags as well.
             let most = 2.0 * k.half.force[1] * self.furthest[side] + SHORT;
             self.elastic &= self.short[side] < most;
         }
     }
 
-    /// True if the specimen has gone as far before, and has been elastic all the time.
+    /// True if the specimen has gone this far before, and has always been elastic.
     pub(super) fn has_been_elastic_at(&self, x: f32) -> bool {
         let furthest = self.furthest[usize::from(x <= 0.0)];
         self.elastic && x.abs() < TURNED * furthest
     }
 
-    /// The causes of a set that has settled, with their values.
+    /// The causes of a settled set, with their values.
     pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> {
         let set = if self.unchanged < SETTLED {
             Set::EMPTY
@@ -267,8 +267,8 @@ impl Judge {
         self.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// True if what has settled may be corrected for: it is one cause, or all of them are the actuator's, whatever a sensor shows beside
-    /// them. Not while a limit is in doubt: what goes further then only runs into it sooner.
+    /// True if the settled causes may be corrected for: there is only one, or all belong to the actuator, whatever a
+    /// sensor shows besides. Not while a limit is in doubt: a command that goes further would only reach it sooner.
     pub(super) fn may_correct(&self) -> bool {
         let fitted = || self.settled().filter(|f| f.cause.is_fitted());
         let is_actuator = |f: &Finding| f.cause.side() == Side::Actuator;
@@ -276,7 +276,7 @@ impl Judge {
         told && !self.doubts_limit
     }
 
-    /// The least of `cause` that would be named at best if it acted now, in its unit; `None` where the motion tells nothing of it.
+    /// The least `cause` that could be named if it acted now, in its unit; `None` if the motion does not show it.
     pub(super) fn least(&self, k: &Constants, cause: Cause) -> Option<f32> {
         let mut least: Option<f32> = None;
         for regression in [ACTUATOR, FORCE, UNLOADING] {
@@ -312,7 +312,7 @@ impl Judge {
         self.left[regression]
     }
 
-    /// What a window says of a regression.
+    /// Takes a window's answer for a regression.
     pub(super) fn take(&mut self, window: usize, regression: usize, answer: Option<Answer>) {
         self.answers.put(window, regression, answer);
     }
@@ -322,7 +322,7 @@ impl Judge {
             0 => (Cause::DisplacementNoise, k.peak_m),
             _ => (Cause::ForceNoise, k.peak_m * k.stiffness),
         };
-        // Of a control step; a block has a few.
+        // Per control step; a block averages several.
         self.note(cause, 2.0 * sigma * unit, 0.2 * sigma * unit);
     }
 
@@ -338,7 +338,7 @@ impl Judge {
         self.note(Cause::Play, width * k.peak_m, 0.15 * width * k.peak_m);
     }
 
-    /// Latches a trip on a sensor that stands still; true if it is new.
+    /// Latches a trip on a frozen sensor; true if it is new.
     pub(super) fn trip(&mut self, cause: Cause) -> bool {
         if !self.stop() {
             return false;
@@ -349,13 +349,13 @@ impl Judge {
         true
     }
 
-    /// Latches a trip on what is named; true if it is new.
+    /// Latches a trip on the named causes; true if it is new.
     pub(super) fn stop(&mut self) -> bool {
         core::mem::replace(&mut self.state, State::Trip) != State::Trip
     }
 
-    /// A cause of this round with its value in SI units.
-    #[inline(never)] // It is asked for in a dozen places.
+    /// Notes a cause of this round with its value in SI units.
+    #[inline(never)] // It is called from a dozen places.
     fn note(&mut self, cause: Cause, value: f32, sd: f32) {
         self.heard.add(cause);
         let finding = Finding {
@@ -375,7 +375,7 @@ impl Judge {
         }
     }
 
-    /// The end of a round. True if state or set have changed.
+    /// Ends a round. True if state or set have changed.
     pub(super) fn conclude(&mut self, k: &Constants) -> bool {
         if self.state == State::Trip {
             return false;
@@ -431,12 +431,12 @@ impl Judge {
         before != (self.state, self.published)
     }
 
-    /// True soon after the motion went further than ever.
+    /// True for some time after a new largest motion.
     fn is_recent(&self, k: &Constants) -> bool {
         (self.since_largest as f32) < NEW_LARGEST * k.blocks_a_period
     }
 
-    /// A slope of what unloads that has fallen with the largest motion is what was learnt: the specimen degrades.
+    /// If the unloading slope falls with the largest motion, the new one is learnt: the specimen degrades.
     fn soften(&mut self, k: &Constants) {
         let shortest = self.answers.of(0, UNLOADING);
         if let Some(now) =
@@ -446,7 +446,7 @@ impl Judge {
         }
     }
 
-    /// An offset that is named is followed, by the window that forgets soonest.
+    /// Follows a named offset in the window that forgets fastest.
     fn follow_offsets(&mut self, k: &Constants) {
         for (trend, (regression, sides)) in self.trends.iter_mut().zip(OFFSETS) {
             let names = sides.iter().flatten();
@@ -459,7 +459,7 @@ impl Judge {
         }
     }
 
-    /// An offset, or a drift where it goes on moving; `unit` is of the offset as of [`Constants::meaning`].
+    /// Notes an offset, or a drift if it keeps moving; `unit` is of the offset, as in [`Constants::meaning`].
     fn note_offset(
         &mut self,
         k: &Constants,
@@ -477,20 +477,20 @@ impl Judge {
         }
     }
 
-    /// True if a hypothesis stands out enough for a name: beside what is declared, or beside what the same test had learnt.
+    /// True if a hypothesis can be named: relative to the declaration, or to values learnt in the same test.
     fn is_name(&self, own: &Hypothesis, regression: usize) -> bool {
         own.is_name(regression) || self.is_change(own, regression)
     }
 
-    /// True if the force of a specimen that unloads has another slope or another lateness than before.
+    /// True if the unloading force of a specimen has a different slope or lateness than before.
     fn is_change(&self, own: &Hypothesis, regression: usize) -> bool {
         let learnt = self.learnt.get(own.column);
         let learnt = learnt.filter(|_| regression == UNLOADING);
         learnt.is_some_and(|learnt| own.is_change_from(*learnt))
     }
 
-    /// The hypothesis of any window that stands out most.
-    #[inline(never)] // It is asked for three times.
+    /// The clearest hypothesis of any window.
+    #[inline(never)] // It is called three times.
     fn best(&self, regression: usize) -> Option<Hypothesis> {
         let mut best: Option<Hypothesis> = None;
         for window in 0..WINDOWS {
@@ -503,7 +503,7 @@ impl Judge {
             let own = Hypothesis::of(answer);
             let better = match &best {
                 None => true,
-                // What can be named goes before what only stands out.
+                // A hypothesis that can be named takes precedence over a merely clear one.
                 Some(b) => {
                     (self.is_name(&own, regression), own.d) > (self.is_name(b, regression), b.d)
                 }
@@ -521,7 +521,7 @@ impl Judge {
         let (mut set, mut beside) = (Set::EMPTY, Set::EMPTY);
         for (member, &cause) in self.member.iter_mut().zip(Cause::ALL) {
             if !cause.is_fitted() {
-                // It stays named: a noise is looked for more seldom than a judgement is made, and has been there several times.
+                // It stays named: noise is judged less often than a round ends, and it has been found several times.
                 if heard.has(cause) || self.published.has(cause) {
                     beside.add(cause);
                 }
@@ -547,7 +547,7 @@ impl Judge {
         if doubtful || !heard.is_empty() {
             let falls_back = (FALLS_BACK * k.blocks_a_period) as u32;
             match self.doubt {
-                // A new doubt long after the last one looks at fresh data again.
+                // A new doubt long after the last one uses fresh data again.
                 Some(age) if age > falls_back && heard.is_empty() => self.doubt = None,
                 Some(_) => {}
                 None => self.doubt = Some(0),
@@ -565,7 +565,7 @@ impl Judge {
                     if regression != ACTUATOR && answer.periods > LEARNED {
                         self.reference[regression - FORCE] = core::array::from_fn(learnt);
                     }
-                    // What unloads is little of a motion, and what has changed already is no reference.
+                    // Unloading is a small part of a motion, and a value that has already changed is no reference.
                     let calm =
                         answer.periods > LEARNED_UNLOADING && Hypothesis::of(answer).d < CALM;
                     if regression == UNLOADING && calm {

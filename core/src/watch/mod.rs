@@ -1,10 +1,10 @@
-//! Watches one actuator of a running test: whether the rig still does what its declared model says, and what it lacks if not.
+//! Watches one actuator of a running test: whether the rig still follows its declared model, and what it lacks if not.
 //!
 //! ```text
 //!  interrupt: the report of each step ─►┐
 //!  thread:    Taps: sums of a few steps ◄┘ run lengths ─► Block, 500 a second
 //!             Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
-//!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
+//!                   └► noise, hum, frozen sensors, play              20 times a second ─► hypotheses ─► state, set
 //!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!
@@ -22,14 +22,14 @@
 //! | `state.rs`, `name.rs`, `verdict.rs` | states, causes with their sides, sets, of all actuators together |
 //! | `hypothesis.rs`, `judge.rs`, `judge/naming.rs` | from hypotheses to causes: which side, which set, when |
 //!
-//! A cause is named when letting it alone go explains the residual far better than the declared tolerances do: twice the
-//! logarithm of the likelihood ratio above 12, a value beyond its tolerance by two standard deviations, 70 % of the residual
-//! explained, three times in a row (150 ms), twelve times where that began in the first second. While the specimen unloads it is
-//! 48 and five deviations, or less beside a slope and a lateness that the same test had learnt. An offset that is named and goes on
-//! moving is a drift. A force that does not move where an elastic specimen has been before stands. A motion that tells nothing of a cause gives it no freedom, and so no name.
-//! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic. One that
-//! hardens, softens or degrades is none either: where a stiffness that depends on the displacement, that falls slowly or with the
-//! largest motion explains best what stands out, nothing is named.
+//! A cause is named if freeing it alone explains the residual far better than the declared tolerances do: twice the
+//! log-likelihood ratio above 12, a value two standard deviations beyond its tolerance, 70 % of the residual explained,
+//! three times in a row (150 ms), twelve if that began in the first second. In unloading: 48 and five deviations, or
+//! less relative to a slope and lateness learnt in the same test. A named offset that keeps moving is a drift. A force
+//! constant where an elastic specimen has been before is frozen. A cause that the motion hides has no freedom, no name.
+//! Yielding is no cause: displacement to force is judged during unloading, when every specimen is elastic. Nor is
+//! hardening, softening or degradation: if a stiffness that depends on the displacement, or that falls slowly or with
+//! the largest motion, explains the deviation best, nothing is named.
 
 mod answers;
 mod correction;
@@ -74,9 +74,9 @@ use regression::{FRESH, Regressions, WINDOWS};
 use signals::{BLOCKS_IN_ROW, Signals};
 use unloading::Unloading;
 
-/// A sensor that is declared without noise still has this, peaks: below it nothing is judged.
+/// Least noise assumed for a sensor, even if declared without, peaks: nothing is judged below it.
 const LEAST_NOISE: [f32; 2] = [1e-4, 2e-4];
-/// Speed, peaks times omega, from which a converter's steps are noise.
+/// Speed, peaks times omega, above which a converter's steps are noise.
 const MOVES: f32 = 0.05;
 
 /// What the watch may ask of the loop.
@@ -120,7 +120,7 @@ impl Instructions {
 pub struct Watch {
     constants: Constants,
     corrector: Corrector,
-    /// Predicted error that passed its limit; 0 where a sensor stands still.
+    /// Predicted error that passed its limit; 0 for a frozen sensor.
     alarm: Option<f32>,
     signals: Signals,
     regressions: Regressions,
@@ -144,20 +144,20 @@ struct Constants {
     trip: bool,
     foresight: Option<Foresight>,
     block_s: f32,
-    /// Noise of a block that is declared, peaks.
+    /// Declared noise of a block, peaks.
     least_noise: [f32; 2],
     has: [bool; 2],
     alone: bool,
     elastic: bool,
-    /// Mass at the load cell is declared: its force shakes with the motion, so no noise and no hum of it is one of the sensor.
+    /// Mass at the load cell is declared: its force shakes with the motion, so its noise and hum are not the sensor's.
     heavy: bool,
 }
 
 impl Watch {
-    /// Nothing seen yet.
+    /// A watch that has seen nothing yet.
     ///
     /// # Errors
-    /// A number of what is declared that cannot be what it stands for.
+    /// A declared number that is impossible.
     pub fn new(told: &Instructions) -> Result<Self, Refusal> {
         let Instructions { declared, actions } = told;
         declared.check()?;
@@ -203,7 +203,7 @@ impl Watch {
         })
     }
 
-    /// As new, in place, for the next test.
+    /// Resets in place for the next test.
     pub fn rest(&mut self) {
         self.corrector = Corrector::default();
         self.alarm = None;
@@ -216,12 +216,12 @@ impl Watch {
         (self.blocks, self.phase) = (0, 0);
     }
 
-    /// What it says now.
+    /// The present state.
     pub fn state(&self) -> State {
         self.judge.state
     }
 
-    /// The causes that a motion like this does not tell apart; empty until something is named.
+    /// The causes that the motion so far cannot tell apart; empty until something is named.
     pub fn set(&self) -> Set {
         self.judge.published
     }
@@ -232,25 +232,25 @@ impl Watch {
         self.judge.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// The least of `cause` that would be named at best if it acted now, in the unit of the cause; `None` where the motion so far
-    /// tells nothing of it.
+    /// The least `cause` that could be named if it acted now, in the unit of the cause; `None` if the motion so far
+    /// carries no information on it.
     pub fn least(&self, cause: Cause) -> Option<f32> {
         self.judge.least(&self.constants.judge, cause)
     }
 
-    /// How much of `cause` is corrected for, in the unit of the cause.
+    /// The present correction for `cause`, in the unit of the cause.
     pub fn corrected(&self, cause: Cause) -> f32 {
         self.corrector.of(cause)
     }
 
-    /// What is asked of the loop for this actuator.
+    /// The requests to the loop for this actuator.
     pub fn axis_orders(&self) -> AxisOrders {
         let k = &self.constants;
         let hold = k.hold && self.judge.published.teaches_wrongly();
         self.corrector.orders(&k.correction, hold)
     }
 
-    /// Why the test has to stop, if it has: `axis` is this actuator's.
+    /// Why the test must stop, if it must; `axis` is this actuator's.
     pub fn alarm(&self, axis: u8) -> Option<Alarm> {
         let foresight = self.constants.foresight.as_ref();
         self.alarm.map(|value| Alarm {
@@ -262,7 +262,7 @@ impl Watch {
         })
     }
 
-    /// Takes a block in. It does a bounded piece of the work and gives true when state or set have changed.
+    /// Adds a block, does a bounded piece of the work, and returns true if state or set have changed.
     pub fn add(&mut self, block: &Block) -> bool {
         let k = &self.constants;
         if self.blocks == 0 {
@@ -291,7 +291,7 @@ impl Watch {
         self.work() | changed
     }
 
-    /// Noise, hum, standing sensors and play.
+    /// Noise, hum, frozen sensors and play.
     fn look_at_block(&mut self, block: &Block) -> bool {
         let k = &self.constants;
         let [y, x, r] = self.signals.raw;
@@ -323,7 +323,7 @@ impl Watch {
         }
     }
 
-    /// A sensor stands still.
+    /// Handles a frozen sensor.
     fn stop(&mut self, cause: Cause) -> bool {
         if self.constants.trip && self.alarm.is_none() {
             self.alarm = Some(0.0);
@@ -331,7 +331,7 @@ impl Watch {
         self.judge.trip(cause)
     }
 
-    /// What follows from a set that has settled: a correction, and a stop where all that it can be will add more than the declared
+    /// Acts on a settled set: corrects, and stops the test if every possible cause will add more than the declared
     /// error. True if it stops.
     fn act(&mut self) -> bool {
         let k = &self.constants;
@@ -387,7 +387,7 @@ impl Watch {
     }
 }
 
-/// On a board's tasks as on a PC: gives each watch its actuator's block, and has it fill its orders. A bounded piece of work.
+/// For a board's tasks and a PC: gives each watch its actuator's block and updates its orders. A bounded piece of work.
 pub fn judge<'a>(
     watches: impl Iterator<Item = &'a mut Watch>,
     blocks: &[Block],
@@ -420,7 +420,7 @@ mod tests {
             ("listeners", size_of::<[Listener; 2]>()),
             ("frozen", size_of::<Frozen>()),
         ];
-        // No pointers in it: here as on a board.
+        // It contains no pointers: same size here and on a board.
         let bytes = size_of::<Watch>();
         assert!(bytes <= 4096, "{bytes} bytes, of these {parts:?}");
     }

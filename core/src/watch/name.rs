@@ -1,6 +1,6 @@
 //! What the watch can name: a cause and the side of the loop on which it is.
 
-/// On which side of the loop a cause is.
+/// The side of the loop on which a cause is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Command to displacement.
@@ -117,7 +117,7 @@ causes! {
 }
 
 impl Cause {
-    /// With what else it may be confounded until another channel decides.
+    /// The cause on another side that looks the same until another channel decides.
     pub(super) const fn twin(self) -> Option<Self> {
         match self {
             Self::ActuatorLate => Some(Self::DisplacementLate),
@@ -149,8 +149,8 @@ impl Cause {
         }
     }
 
-    /// True if fitting the motion finds it, so that of several the motion may leave only one; false of what one sensor shows by itself,
-    /// whatever else is wrong: a noise, a hum, a reading that stands.
+    /// True if it is found by fitting the motion, so that of several causes the motion may leave only one; false for
+    /// what one sensor shows by itself, whatever else is wrong: noise, hum, a frozen reading.
     pub const fn is_fitted(self) -> bool {
         !matches!(
             self,
@@ -188,7 +188,7 @@ impl Set {
         self.0 |= 1 << cause as u8;
     }
 
-    /// With everything that `other` holds.
+    /// The union with `other`.
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
@@ -203,8 +203,8 @@ impl Set {
         Cause::ALL.iter().copied().filter(move |c| self.has(*c))
     }
 
-    /// True if one of them has a compensation that learns follow a displacement transducer that is wrong. A noise or a hum has not: it
-    /// has a mean of nothing, and is also what a rig shows that shakes, which a compensation that goes on learning may calm.
+    /// True if one of them makes a learning compensation follow a faulty displacement transducer. Noise and hum do not:
+    /// their mean is zero, and a shaking rig, which further learning may calm, shows them as well.
     pub fn teaches_wrongly(self) -> bool {
         let wrong = |c: Cause| c.side() == Side::Displacement && c.is_fitted();
         self.causes().any(wrong)

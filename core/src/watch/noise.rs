@@ -5,29 +5,29 @@ use libm::sqrtf;
 
 /// Variance of a fourth difference of white noise.
 const FOURTH: f32 = 70.0;
-/// Blocks of motion from which the noise is learned.
+/// Blocks of motion from which the noise is learnt.
 const LEARNED: u16 = 500;
-/// Blocks in a judgement, how many of them beyond how many standard deviations are a burst.
+/// Blocks in a judgement, and how many of them beyond how many standard deviations make a burst.
 const BLOCKS: u8 = 100;
 const BEYOND: u8 = 30;
 const DEVIATIONS: f32 = 3.5;
-/// A burst is one where the sensor's fourth difference has this many times the square of what it follows.
+/// The sensor's squared fourth difference must exceed that of the signal it follows by this factor to count as a burst.
 const SHAKES: f32 = 4.0;
-/// A hum stands out so much from its neighbours, and from the noise.
+/// Ratio of a hum to its neighbours, and to the noise.
 const STANDS_OUT: f32 = 3.0;
 const OUT_OF_NOISE: f32 = 4.0;
-/// The mains are steady: so many judgements in a row, with amplitudes that differ by no more than this share.
+/// Mains hum is steady: consecutive judgements needed, with amplitudes that differ by no more than this fraction.
 const STEADY: u8 = 4;
 const SWELLS: f32 = 0.3;
-/// Judgements in a row that make a noise.
+/// Consecutive judgements needed for noise.
 const NOISY: u8 = 2;
-/// Frequencies that are listened to, Hz: the mains between their neighbours.
+/// Frequencies monitored, Hz: the mains between their neighbours.
 const LISTENED_HZ: [f64; 4] = [40.0, 50.0, 60.0, 70.0];
 
 /// What was heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Heard {
-    /// The noise is so many times what it was.
+    /// The noise is this many times its former level.
     Noise(f32),
     /// A hum with this amplitude, in the unit of the samples.
     Hum(f32),
@@ -36,10 +36,10 @@ pub(super) enum Heard {
 /// Constants of a listener.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Constants {
-    /// 2 cos of the angle a block, and the second difference's gain there.
+    /// 2 cos of the angle per block, and the second difference's gain there.
     turn: [f32; 4],
     gain: [f32; 4],
-    /// Rotation of the window's cosine a block.
+    /// Rotation of the window's cosine per block.
     window: [f32; 2],
 }
 
@@ -60,7 +60,7 @@ impl Constants {
 struct Past([f32; 4]);
 
 impl Past {
-    /// The fourth difference with a new sample.
+    /// The fourth difference including a new sample.
     fn fourth(&self, value: f32) -> f32 {
         let [a, b, c, d] = self.0;
         value - 4.0 * a + 6.0 * b - 4.0 * c + d
@@ -78,7 +78,7 @@ pub(super) struct Listener {
     past: Past,
     followed: Past,
     learned: u16,
-    /// Mean square of a fourth difference, and the standard deviation of a block by it once it is known.
+    /// Mean square of a fourth difference, and the resulting standard deviation of a block once it is known.
     variance: f32,
     sigma: f32,
     goertzel: [[f32; 2]; 4],
@@ -86,7 +86,7 @@ pub(super) struct Listener {
     blocks: u8,
     beyond: u8,
     squares: f32,
-    /// Judgements in a row that heard noise, or a steady hum, and its last amplitude.
+    /// Consecutive judgements that heard noise, or a steady hum, and its latest amplitude.
     heard: [u8; 2],
     amplitude: f32,
 }
@@ -119,8 +119,8 @@ impl Listener {
         self.learned >= LEARNED
     }
 
-    /// Takes a block in of the sensor and of what it follows; `moves`: fast enough for the steps of a converter to be noise;
-    /// `least`: noise that is declared.
+    /// Adds a block of the sensor and of the signal it follows; `moves`: fast enough for the steps of a converter to
+    /// act as noise; `least`: declared noise.
     pub(super) fn add(
         &mut self,
         k: &Constants,
@@ -132,7 +132,7 @@ impl Listener {
         let [a, b, ..] = self.past.0;
         let second = value - 2.0 * a + b;
         self.past.push(value);
-        // A motion that shakes is no noise of the sensor that follows it.
+        // A shaking motion is not noise of the sensor that follows it.
         let shakes = self.followed.fourth(followed);
         self.followed.push(followed);
         let square = fourth * fourth;
@@ -184,12 +184,12 @@ impl Listener {
         let noisy = self.beyond >= BEYOND;
         let neighbours = amplitudes[0].max(amplitudes[3]);
         let hum = amplitudes[1].max(amplitudes[2]);
-        // Of an amplitude from so many blocks of noise of a second difference.
+        // Amplitude due to the noise of a second difference over this many blocks.
         let of_noise = 0.42 * self.sigma() / k.gain[1];
         let hums = hum > STANDS_OUT * neighbours && hum > OUT_OF_NOISE * of_noise;
         (self.goertzel, self.phase) = ([[0.0; 2]; 4], [1.0, 0.0]);
         (self.blocks, self.beyond, self.squares) = (0, 0, 0.0);
-        // What swells is a harmonic of the motion.
+        // A swelling amplitude is a harmonic of the motion.
         let before = core::mem::replace(&mut self.amplitude, hum);
         let steady = hums && (hum - before).abs() < SWELLS * hum;
         let [noise, mains] = &mut self.heard;
@@ -213,12 +213,12 @@ impl Listener {
 mod tests {
     use super::*;
 
-    /// What is heard of a motion with white noise of 1e-3 that changes after 3 s.
+    /// The result for a motion with white noise of 1e-3 that changes after 3 s.
     fn listen(times: f32, hum: f32) -> Option<Heard> {
         listen_beside(times, hum, 0.0)
     }
 
-    /// The same where what the sensor follows shakes by so much as well.
+    /// The same if the signal that the sensor follows shakes as well, by `shakes`.
     fn listen_beside(times: f32, hum: f32, shakes: f32) -> Option<Heard> {
         let k = Constants::new(500.0);
         let mut listener = Listener::new();
@@ -266,7 +266,7 @@ mod tests {
             panic!("no noise");
         };
         assert!((times / 6.0 - 1.0).abs() < 0.3, "{times}");
-        // The rig shakes, and the sensor shows it.
+        // The rig shakes, and the sensor follows.
         assert_eq!(listen_beside(1.0, 0.0, 0.02), None);
         let Some(Heard::Hum(amplitude)) = listen(1.0, 0.01) else {
             panic!("no hum");

@@ -1,33 +1,33 @@
-//! Normal equations of a regression whose columns are in units of half a tolerance, and every hypothesis of a single cause
+//! Normal equations of a regression with columns in units of half a tolerance, and every hypothesis of a single cause
 //! from one factorization.
 
 use crate::float::larger;
 
-/// Weighted sums of a regression with `M` columns, which have `T` products: the columns' numbers from 1 to `M` added up.
+/// Weighted sums of a regression with `M` columns, and so `T` products: the sum of the numbers 1 to `M`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normal<const M: usize, const T: usize> {
     /// Products of columns: the lower triangle, row by row.
     a: [f32; T],
     b: [f32; M],
-    /// Squares of what is to be explained, and of the motion.
+    /// Sums of squares of the quantity to be explained, and of the motion.
     total: f32,
     motion: f32,
     pub(super) weight: f32,
 }
 
-/// What a regression says.
+/// The answer of a regression.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solved<const M: usize> {
-    /// Each column's coefficient if it alone were free, in half tolerances, and its variance.
+    /// Each column's coefficient if freed alone, in half tolerances, and its variance.
     pub(super) theta: [f32; M],
     pub(super) variance: [f32; M],
-    /// Share of the residual that all columns free together explain, and the mean square that they leave.
+    /// Fraction of the residual that all columns freed together explain, and the mean square that they leave.
     pub(super) explained: f32,
     pub(super) left: f32,
 }
 
-/// What is known of the noise of a regression: variance of a sample, squares of a floor and of a share of the motion, and how
-/// many samples stand for one because they are coloured.
+/// The known noise of a regression: variance of a sample, squares of a floor and of a fraction of the motion, and how
+/// many samples count as one because they are coloured.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     pub(super) white: f32,
@@ -36,15 +36,15 @@ pub(super) struct Noise {
     pub(super) coloured: f32,
 }
 
-/// Twice the logarithm of the likelihood ratio of letting a column alone go, by its coefficient with the variance, half
-/// tolerances; 0 where the motion tells nothing of it.
+/// Twice the log-likelihood ratio of freeing a single column, from its coefficient and variance, half tolerances; 0 if
+/// the motion carries no information on it.
 pub(super) fn ratio(theta: f32, variance: f32) -> f32 {
     theta * theta / (variance + 1.0)
 }
 
 /// Prior variance of a free column, in half tolerances squared.
 const FREE: f32 = 900.0;
-/// Share of what the free fit leaves that counts as noise.
+/// Fraction of the free fit's residual that counts as noise.
 const LEFT_COUNTS: f32 = 0.15;
 
 impl<const M: usize, const T: usize> Normal<M, T> {
@@ -58,8 +58,8 @@ impl<const M: usize, const T: usize> Normal<M, T> {
         }
     }
 
-    /// Forgets by `keeps` and takes a sample in: columns, what is to be explained, the motion, peaks.
-    #[inline(never)] // Unrolled at every place that calls it, it would be a good part of an image.
+    /// Forgets by the factor `keeps` and adds a sample: columns, quantity to be explained, motion, peaks.
+    #[inline(never)] // Unrolled at every call it would be a good part of an image.
     pub(super) fn add(&mut self, keeps: f32, row: &[f32; M], residual: f32, motion: f32) {
         let mut products = self.a.iter_mut();
         for j in 0..M {
@@ -73,7 +73,7 @@ impl<const M: usize, const T: usize> Normal<M, T> {
         self.weight = keeps * self.weight + 1.0;
     }
 
-    /// The hypotheses, where `left_before` is the mean square that the free fit left while the test was sound.
+    /// The hypotheses; `left_before` is the mean square that the free fit left while the test was sound.
     #[inline(never)]
     pub(super) fn solve(&self, noise: &Noise, left_before: f32) -> Option<Solved<M>> {
         if !(self.weight > 1.0) {
@@ -99,7 +99,7 @@ impl<const M: usize, const T: usize> Normal<M, T> {
         };
         let mut finite = true;
         for j in 0..M {
-            // A variance is at most the prior's: what the motion tells nothing of has freedom 0.
+            // A variance is at most the prior's: without information from the motion the freedom is 0.
             let freedom = 1.0 - p[j];
             if freedom > 1e-3 {
                 let per = 1.0 / freedom;
@@ -111,13 +111,13 @@ impl<const M: usize, const T: usize> Normal<M, T> {
         finite.then_some(solved)
     }
 
-    /// What is to be explained, over a variance.
+    /// The quantity to be explained, divided by a variance.
     fn per(&self, variance: f32) -> [f32; M] {
         let per = 1.0 / variance;
         self.b.map(|b| b * per)
     }
 
-    /// The squares that these coefficients leave.
+    /// The sum of squares that these coefficients leave.
     fn left_by(&self, theta: &[f32; M]) -> f32 {
         let mut products = self.a.iter();
         let mut left = self.total;
@@ -148,7 +148,7 @@ impl<const M: usize, const T: usize> Normal<M, T> {
     }
 }
 
-/// A positive definite matrix as L D L', where L has ones on its diagonal: that takes no square roots.
+/// A positive definite matrix as L D L', with ones on the diagonal of L: that needs no square roots.
 #[derive(Clone, Copy, Debug)]
 struct Factors<const M: usize> {
     /// Below the diagonal.
@@ -158,7 +158,7 @@ struct Factors<const M: usize> {
 }
 
 impl<const M: usize> Factors<M> {
-    /// Of the matrix whose lower triangle is given; none if it is not positive definite.
+    /// Factors the matrix whose lower triangle is given; `None` if it is not positive definite.
     fn of(mut l: [[f32; M]; M]) -> Option<Self> {
         let mut per_d = [0.0; M];
         for j in 0..M {
@@ -182,7 +182,7 @@ impl<const M: usize> Factors<M> {
         Some(Self { l, per_d })
     }
 
-    /// What the matrix makes `b` of.
+    /// Solves for `b`.
     #[inline(never)]
     fn solve(&self, b: [f32; M]) -> [f32; M] {
         let mut x = b;
@@ -267,7 +267,7 @@ mod tests {
         );
         let d = |s: &Solved<2>| [0, 1].map(|j| ratio(s.theta[j], s.variance[j]));
         assert!(d(&s)[0] > 20.0 && d(&s)[1] < 2.0, "{s:?}");
-        // A motion that tells nothing names nothing.
+        // A motion without information names nothing.
         let mut still = Normal::<2, 3>::new();
         for _ in 0..500 {
             still.add(1.0, &[0.0, 0.0], 0.01, 0.0);

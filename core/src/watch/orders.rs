@@ -1,23 +1,23 @@
-//! What the watch asks of the loop: to hold an adaptive compensation, to correct, to trip.
+//! The watch's requests to the loop: to hold an adaptive compensation, to correct, to trip.
 
 use super::state::State;
 use crate::record::flag;
 
-/// What is asked for one actuator.
+/// The requests for one actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisOrders {
-    /// The command is sent ahead by so many control steps more than the test file says.
+    /// Additional lead of the command beyond the test file's, control steps.
     pub lead_steps: f32,
-    /// What the command is multiplied with.
+    /// Factor on the command.
     pub command_scale: f32,
-    /// The displacement is read so many control steps late.
+    /// Lateness of the displacement reading, control steps.
     pub reading_late_steps: f32,
-    /// What an adaptive compensation has learnt goes back to what was declared, and stays there.
+    /// True if an adaptive compensation must return to its declared values and stay there.
     pub hold: bool,
 }
 
 impl AxisOrders {
-    /// Nothing.
+    /// No request.
     pub const NONE: Self = Self {
         lead_steps: 0.0,
         command_scale: 1.0,
@@ -33,27 +33,27 @@ impl AxisOrders {
 /// Why the watch stops a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
-    /// Which actuator, from 0.
+    /// The actuator, from 0.
     pub axis: u8,
-    /// Predicted error, of the planned peak; 0 where a sensor stands still.
+    /// Predicted error, relative to the planned peak; 0 for a frozen sensor.
     pub value: f32,
-    /// Its declared limit; 0 where a sensor stands still.
+    /// Its declared limit; 0 for a frozen sensor.
     pub limit: f32,
 }
 
-/// What is asked of a loop with `N` axes.
+/// The requests to a loop with `N` axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orders<const N: usize> {
-    /// Of each actuator.
+    /// For each actuator.
     pub axes: [AxisOrders; N],
-    /// What the watch says, of the worst of them.
+    /// The worst state of all of them.
     pub state: State,
-    /// The test has to stop.
+    /// Set if the test must stop.
     pub alarm: Option<Alarm>,
 }
 
 impl<const N: usize> Orders<N> {
-    /// Nothing.
+    /// No request.
     pub const NONE: Self = Self {
         axes: [AxisOrders::NONE; N],
         state: State::Sound,

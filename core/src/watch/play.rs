@@ -1,39 +1,39 @@
-//! Play between actuator and specimen: way without force, whatever the specimen does otherwise.
+//! Play between actuator and specimen: travel without force, whatever the specimen does otherwise.
 
 use libm::sqrtf;
 
-/// Forces, of stiffness times peak, between which the way without force and the ways beside it are compared.
+/// Forces, relative to stiffness times peak, between which the force-free travel and the adjacent travel are compared.
 const FORCE: f32 = 0.07;
-/// Crossings in a row, and the least play of each, peaks.
+/// Consecutive crossings needed, and the least play of each, peaks.
 const CROSSINGS: u8 = 4;
 const LEAST: f32 = 0.008;
-/// By how many of its standard deviations the mean play of the crossings in a row is beyond none, and the most of them that count.
+/// Standard deviations by which the mean play of consecutive crossings must exceed zero; most crossings that count.
 const BEYOND: f32 = 6.0;
 const MOST_CROSSINGS: u8 = 16;
-/// Variance of a crossing's play, of that of displacement less force: once each outer level, twice each inner one.
+/// Variance of a crossing's play relative to that of displacement minus force: outer levels once, inner ones twice.
 const VARIANCE: f32 = 10.0;
 
-/// The levels that a crossing passes, in the direction from which it comes.
+/// The levels that a crossing passes, in the order of its direction.
 const LEVELS: [f32; 4] = [2.0 * FORCE, FORCE, -FORCE, -2.0 * FORCE];
-/// A force that rises again by this while it falls is no crossing.
+/// A falling force that rises again by this much is no crossing.
 const TURNS: f32 = 0.5 * FORCE;
 
-/// Measures the way at every crossing of zero force.
+/// Measures the travel at every crossing of zero force.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Play {
-    /// Sign of the force from which it comes; 0 before it has been large, or after a turn.
+    /// Sign of the force at the start of the crossing; 0 before it has been large, or after a turn.
     sign: f32,
-    /// Displacement at the levels that have been passed.
+    /// Displacement at the levels passed so far.
     at: [f32; 4],
     passed: usize,
     last: [f32; 2],
     crossings: u8,
-    /// Mean play of the crossings in a row, peaks.
+    /// Mean play of consecutive crossings, peaks.
     width: f32,
 }
 
 impl Play {
-    /// Takes displacement and force in, peaks, with their noise. Gives the width of a play, peaks, when it is certain.
+    /// Adds displacement and force, peaks, with their noise. Returns the width of a play, peaks, once it is certain.
     pub(super) fn add(&mut self, x: f32, r: f32, [x_sd, r_sd]: [f32; 2]) -> Option<f32> {
         let [last_x, last_r] = core::mem::replace(&mut self.last, [x, r]);
         let (now, before) = (r * self.sign, last_r * self.sign);
@@ -63,7 +63,7 @@ impl Play {
         (self.crossings >= CROSSINGS && self.width > least).then_some(self.width)
     }
 
-    /// The way between the inner levels, less what the slopes beside it explain.
+    /// The travel between the inner levels, minus the part explained by the slopes beside it.
     fn judge(&mut self) {
         let [a, b, c, d] = self.at;
         let play = (b - c).abs() - (a - b).abs() - (c - d).abs();
@@ -88,7 +88,7 @@ mod tests {
         for i in 0..8000 {
             let t = i as f32 * 0.01;
             let x = (1.0 - libm::expf(-t)) * libm::sinf(t);
-            // A gap at zero force in series with a specimen that yields.
+            // A gap at zero force in series with a yielding specimen.
             plastic = plastic
                 .max(x - 0.5 * width - yields)
                 .min(x + 0.5 * width + yields);
@@ -110,7 +110,7 @@ mod tests {
         }
     }
 
-    /// Whether a play is found at any time of a long motion, with white noise of a standard deviation in both channels.
+    /// Whether play is found anywhere in a long motion, with white noise of standard deviation `sd` in both channels.
     fn found_in_noise(width: f32, sd: f32) -> bool {
         let mut play = Play::default();
         let mut seed = 1_u32;

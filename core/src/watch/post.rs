@@ -1,18 +1,18 @@
-//! Between the control step and the rest of the watch: orders come back after a fixed time.
+//! Connects the control step with the rest of the watch: orders come back after a fixed time.
 //!
-//! Behind each step of a watched test the loop counts, and no more. Whoever judges makes blocks of the steps
-//! ([`Taps`](super::tap::Taps)) and answers each. The answer to a block comes into force when the block [`LATENCY`] blocks later is
-//! full, however soon it was given: the same samples have the same orders on a PC and on a board. Where it has not been given by
-//! then the watch of the test ends. The orders in force stay, and the records say so.
+//! After each step of a watched test the loop only counts. The judging side makes blocks of the steps
+//! ([`Taps`](super::tap::Taps)) and answers each. The answer to a block takes effect when the block [`LATENCY`] blocks
+//! later is full, however early it was given: the same samples get the same orders on a PC and on a board. If it has
+//! not been given by then, the watch of the test ends. The orders in force stay, and the records say so.
 
 use super::orders::{Alarm, AxisOrders, Orders};
 use crate::record::flag;
 use core::num::{NonZeroU8, NonZeroU32};
 
-/// Blocks from one that is full to the orders that answer it: 16 ms at 2 kHz.
+/// Blocks from a full block to the orders that answer it: 16 ms at 2 kHz.
 pub const LATENCY: usize = 8;
 
-/// A block of the steps of a test, as one word: the test above, the block's number in it below.
+/// A block of the steps of a test, as one word: the test in the high bits, the block's number in it in the low ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockId(NonZeroU32);
 
@@ -20,7 +20,7 @@ impl BlockId {
     /// Bits of the number: 500 blocks a second for 18 hours.
     const NUMBER_BITS: u32 = 25;
     const NUMBERS: u32 = (1 << Self::NUMBER_BITS) - 1;
-    /// Tests are told apart from those just before them: the one after the last of these is 1 again.
+    /// Test numbers only distinguish a test from recent ones: after this one comes 1 again.
     const LAST_TEST: u8 = 63;
 
     /// Block `number`, from 0, of `test`.
@@ -30,7 +30,7 @@ impl BlockId {
         Self(NonZeroU32::new(word).unwrap_or(NonZeroU32::MIN))
     }
 
-    /// The test behind `test`, 0 being none.
+    /// The number after `test`, 0 being none.
     fn test_after(test: u8) -> NonZeroU8 {
         NonZeroU8::new(test % Self::LAST_TEST + 1).unwrap_or(NonZeroU8::MIN)
     }
@@ -45,19 +45,19 @@ impl BlockId {
         (self.word() ^ other.word()) >> Self::NUMBER_BITS == 0
     }
 
-    /// As a word whose highest bit is free.
+    /// As a word with its highest bit free.
     #[inline]
     pub fn word(self) -> u32 {
         self.0.get()
     }
 }
 
-/// A control step of a test that is watched.
+/// A control step of a watched test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WatchedStep {
     /// The test, 1 to 63 in turn.
     pub test: NonZeroU8,
-    /// The block of it whose answer is due with this step.
+    /// Its block whose answer is due at this step.
     pub due: Option<BlockId>,
 }
 
@@ -67,21 +67,21 @@ pub(crate) struct Post<const N: usize> {
     in_force: Orders<N>,
     /// The orders in force, for every record.
     flags: u32,
-    /// Control steps in a block, and from here to the next answer that is due.
+    /// Control steps in a block, and those left until the next answer is due.
     steps: u32,
     left: u32,
-    /// The block that it answers, as [`BlockId::word`].
+    /// The block to be answered then, as [`BlockId::word`].
     due: u32,
     /// The running test, if it is watched.
     watched: Option<NonZeroU8>,
     /// The last test that was armed; 0 before the first.
     test: u8,
-    /// Tests to come are watched.
+    /// True if coming tests are watched.
     on: bool,
 }
 
 impl<const N: usize> Post<N> {
-    /// Nothing seen, in blocks of so many control steps.
+    /// Nothing seen yet; `steps` control steps in a block.
     pub(crate) fn new(steps: u32) -> Self {
         Self {
             in_force: Orders::NONE,
@@ -100,7 +100,7 @@ impl<const N: usize> Post<N> {
         self.steps
     }
 
-    /// Has the tests to come watched.
+    /// Turns on the watch of coming tests.
     pub(crate) fn watch(&mut self) {
         self.on = true;
     }
@@ -110,19 +110,19 @@ impl<const N: usize> Post<N> {
         self.test
     }
 
-    /// Counts the tests to come from there.
+    /// Numbers the coming tests from there.
     pub(crate) fn count_on_from(&mut self, last_test: u8) {
         self.test = last_test;
     }
 
-    /// A test begins.
+    /// Starts a test.
     pub(crate) fn rest(&mut self) {
         let next = BlockId::test_after(self.test);
         self.test = next.get();
         self.watched = self.on.then_some(next);
         self.due = BlockId::of(next, 0).word();
         self.in_force = Orders::NONE;
-        // The answer to the first block is due when so many more are full.
+        // The answer to the first block is due when this many more are full.
         (self.flags, self.left) = (0, self.steps.wrapping_mul(1 + LATENCY as u32));
     }
 
@@ -140,26 +140,26 @@ impl<const N: usize> Post<N> {
         Some(WatchedStep { test, due })
     }
 
-    /// Other orders are in force.
+    /// Puts other orders in force.
     #[inline]
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut Orders<N>)) {
         change(&mut self.in_force);
         self.flags = self.in_force.flags();
     }
 
-    /// An answer did not come in time: there are no more.
+    /// An answer was late: no more are accepted.
     pub(crate) fn be_late(&mut self) {
         self.watched = None;
         self.flags |= flag::WATCH_LATE;
     }
 
-    /// What is asked for the axis `j`.
+    /// The requests for the axis `j`.
     #[inline]
     pub(crate) fn axis(&self, j: usize) -> AxisOrders {
         self.in_force.axes[j]
     }
 
-    /// That the test has to stop.
+    /// Why the test must stop, if it must.
     pub(crate) fn alarm(&self) -> Option<Alarm> {
         self.in_force.alarm
     }

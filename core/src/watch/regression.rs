@@ -1,16 +1,16 @@
-//! The three regressions over four windows: command to displacement, displacement to force, and the force while it unloads.
+//! The three regressions over four windows: command to displacement, displacement to force, and force in unloading.
 
 use super::declared::{Declared, HalfTolerances};
 use super::normal::{Noise, Normal, Solved, ratio};
 use super::signals::Row;
 
-/// Windows: three that forget, and one that begins at the first doubt.
+/// Number of windows: three that forget, and one that begins at the first doubt.
 pub(super) const WINDOWS: usize = 4;
 pub(super) const LONGEST: usize = 2;
 pub(super) const FRESH: usize = 3;
-/// How many natural periods a window remembers.
+/// Memory of each window, natural periods.
 const PERIODS: [f64; 3] = [0.75, 2.5, 10.0];
-/// Speeds and ways below this have no sign, peaks.
+/// Speeds and displacements below this have no sign, peaks.
 const NO_SIGN: f32 = 0.02;
 
 /// The regressions by number.
@@ -18,7 +18,7 @@ pub(super) const ACTUATOR: usize = 0;
 pub(super) const FORCE: usize = 1;
 pub(super) const UNLOADING: usize = 2;
 
-/// Model errors of each regression, peaks, and a share of the motion.
+/// Model errors of each regression, peaks, and as a fraction of the motion.
 const FLOORS: [f32; 3] = [0.0015, 0.003, 0.0007];
 const OF_MOTION: f32 = 0.002;
 
@@ -26,12 +26,12 @@ const OF_MOTION: f32 = 0.002;
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
     keeps: [f32; WINDOWS],
-    /// Damping and mass of the declared specimen, of its stiffness.
+    /// Damping and mass of the declared specimen, relative to its stiffness.
     damping: f32,
     mass: f32,
-    /// Samples of a quarter period.
+    /// Samples in a quarter period.
     quarter: f32,
-    /// Samples that a window must have.
+    /// Least number of samples in a window.
     least: f32,
 }
 
@@ -81,16 +81,16 @@ impl Window {
     };
 }
 
-/// What a window says of a regression; columns that it does not have are 0.
+/// A window's answer for a regression; columns that the regression lacks are 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Answer {
-    /// Coefficients if one alone is free, in half tolerances, with their variances.
+    /// Coefficients of each column freed alone, in half tolerances, with their variances.
     pub(super) theta: [f32; 8],
     pub(super) variance: [f32; 8],
     pub(super) explained: f32,
-    /// Kept of the longest window alone, 0 of the others.
+    /// Kept for the longest window only, 0 for the others.
     pub(super) left: f32,
-    /// Samples, natural periods of them.
+    /// Samples, in natural periods.
     pub(super) periods: f32,
 }
 
@@ -112,7 +112,7 @@ impl Answer {
         libm::sqrtf(self.variance[column])
     }
 
-    /// Twice the logarithm of each column's likelihood ratio.
+    /// Twice the log-likelihood ratio of each column.
     pub(super) fn ratios(&self) -> [f32; 8] {
         core::array::from_fn(|j| ratio(self.theta[j], self.variance[j]))
     }
@@ -153,19 +153,19 @@ impl Regressions {
         }
     }
 
-    /// As new, in place.
+    /// Resets in place.
     pub(super) fn rest(&mut self) {
         self.windows
             .iter_mut()
             .for_each(|window| *window = Window::EMPTY);
     }
 
-    /// The window that begins at a doubt begins now.
+    /// Starts the window that begins at a doubt.
     pub(super) fn begin_fresh(&mut self) {
         self.windows[FRESH] = Window::EMPTY;
     }
 
-    /// Takes a row in. `fresh`: there is a doubt; `unloading`: columns and residual of a specimen that unloads.
+    /// Adds a row. `fresh`: there is a doubt; `unloading`: columns and residual of a specimen during unloading.
     pub(super) fn add(
         &mut self,
         (k, half): (&Constants, &HalfTolerances),
@@ -202,7 +202,7 @@ impl Regressions {
         }
     }
 
-    /// One piece of the work: what window `window` says of a regression.
+    /// One piece of the work: the answer of window `window` for a regression.
     pub(super) fn solve(
         &self,
         k: &Constants,

@@ -1,5 +1,5 @@
-//! Blocks of command, displacement and force become what the regressions are made of, in units of the planned peak and of
-//! the structure's frequency.
+//! Turns blocks of command, displacement and force into the inputs of the regressions, in units of the planned peak and
+//! of the structure's frequency.
 
 use super::declared::Declared;
 use super::tap::Block;
@@ -7,25 +7,25 @@ use crate::delay_line::{Delay, DelayLine};
 use crate::estimate::{Biquad, LowPass};
 use crate::float::{larger, smaller};
 
-/// Blocks in a row of the regressions.
+/// Blocks per row of the regressions.
 pub(super) const BLOCKS_IN_ROW: u8 = 4;
-/// Way over which an actuator's friction builds up after a turn, peaks.
+/// Travel over which an actuator's friction builds up after a turn, peaks.
 const BUILDS_UP: f32 = 0.01;
 /// The longest transport delay of an actuator, blocks.
 const LONGEST: usize = 64;
-/// The largest speed and the largest way are forgotten in so many natural periods.
+/// The largest speed and displacement are forgotten over this many natural periods.
 const LEAK_PERIODS: f32 = 3.0;
-/// What is faster or further than the model by less than this is no limit.
+/// Speeds and displacements above these fractions of the model's show no limit.
 const SLOWER: f32 = 0.94;
 const SHORTER: f32 = 0.96;
-/// And by this at least, peaks: how the first cycles of a structure fall short of the model is not the end of a stroke.
+/// They must fall short by this, too, peaks: a structure's first cycles fall short without a stroke limit.
 const SHORTER_PEAKS: f32 = 0.02;
 
 /// Constants of the signals.
 #[derive(Clone, Debug)]
 pub(super) struct Constants {
     delay: Delay,
-    /// First-order lag by first-order hold: what stays, what the new and the last input add.
+    /// First-order lag by first-order hold: weights of the old output, the new and the last input.
     lag: [f32; 3],
     gain: f32,
     offset: f32,
@@ -41,38 +41,38 @@ pub(super) struct Constants {
     phase: f32,
 }
 
-/// What one sample of the regressions knows; displacement in peaks, velocity in peaks times omega, and so on.
+/// One sample for the regressions; displacement in peaks, velocity in peaks times omega, and so on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Row {
-    /// The actuator as declared: way, velocity, acceleration.
+    /// The actuator as declared: displacement, velocity, acceleration.
     pub(super) y: [f32; 3],
-    /// The displacement as measured: way, velocity.
+    /// As measured: displacement, velocity.
     pub(super) x: [f32; 2],
     /// Force in stiffness times peak.
     pub(super) r: f32,
-    /// How far friction is built up that holds the declared way back, of what it is at most.
+    /// Built-up fraction of the friction that opposes the declared motion.
     pub(super) held: f32,
-    /// How a limit of speed and one of stroke would change the declared way.
+    /// Change of the declared displacement by a limit of speed and by one of stroke.
     pub(super) rate: f32,
     pub(super) stop: f32,
-    /// The largest speed and way that were measured, where they are a limit.
+    /// The largest measured speed and displacement, if they are a limit.
     pub(super) limits: [f32; 2],
 }
 
-/// The memory of the signals.
+/// The state of the signals.
 #[derive(Clone, Debug)]
 pub(super) struct Signals {
     line: DelayLine<LONGEST>,
     lagged: [f32; 2],
-    /// Raw declared way, raw displacement and raw force of this block, in peaks.
+    /// Raw declared displacement, raw displacement and raw force of this block, in peaks.
     pub(super) raw: [f32; 3],
     filters: [LowPass; 4],
-    /// Declared way, displacement, force, rate-limited less declared: the last three rows.
+    /// Declared displacement, displacement, force, rate-limited minus declared: the last three rows.
     past: [[f32; 3]; 4],
     slewed: f32,
-    /// Declared way since friction has turned, at most what it builds up over.
+    /// Declared travel since friction reversed, at most its build-up length.
     slides: f32,
-    /// Leaky maxima of measured and declared speed, measured and declared way.
+    /// Leaky maxima of measured and declared speed, measured and declared displacement.
     most: [f32; 4],
     blocks: u8,
 }
@@ -91,7 +91,7 @@ impl Constants {
         } else {
             (0.0, 1.0, 0.0)
         };
-        // A lag is driven by commands that are held: half a control period ahead of commands joined by lines.
+        // Commands that drive a lag are held: they lead commands joined by lines by half a control period.
         let held_s = if a.lag_s > 0.0 { 0.5 / d.rate_hz } else { 0.0 };
         let row = h * f64::from(BLOCKS_IN_ROW);
         let delay = (a.delay_s - held_s).max(0.0) / h;
@@ -127,7 +127,7 @@ impl Signals {
         }
     }
 
-    /// As if the first block had been there for ever.
+    /// Settled, as if the input had always been the first block.
     pub(super) fn settle(&mut self, k: &Constants, block: &Block) {
         let command = block.command_m * k.per_peak;
         let y = k.gain * command + k.offset;
@@ -140,7 +140,7 @@ impl Signals {
         self.past = [y, x, r, 0.0].map(|v| [v; 3]);
     }
 
-    /// Takes a block in; every fourth gives a row, of one row before.
+    /// Adds a block; every fourth returns a row, for the time one row earlier.
     pub(super) fn add(&mut self, k: &Constants, block: &Block) -> Option<Row> {
         let delayed = self.line.pass(k.delay, block.command_m * k.per_peak);
         let [stays, new, last] = k.lag;
@@ -150,7 +150,7 @@ impl Signals {
         let x = block.displacement_m * k.per_peak;
         let r = (block.force_n - k.force_offset_n) * k.per_force;
         self.raw = [y, x, r];
-        // What a limit of speed would make of it; without one it is the same.
+        // The declared motion under a limit of speed; without a limit it is unchanged.
         let [speed, own_speed, ..] = self.most;
         let most = speed * k.phase;
         let limited = speed < SLOWER * own_speed;
@@ -211,7 +211,7 @@ impl Signals {
 mod tests {
     use super::*;
 
-    /// The largest that the end of a stroke explains of a motion of so many peaks that goes no further than `stroke` peaks.
+    /// The most that a stroke limit explains in a motion of `peaks` peaks that goes no further than `stroke` peaks.
     fn stop(peaks: f32, stroke: f32) -> f32 {
         let k = Constants::new(&Declared::exact(), 500.0);
         let mut signals = Signals::at_rest();

@@ -1,4 +1,4 @@
-//! What the watch has to say of a test.
+//! The watch's report on a test.
 
 use super::name::Cause;
 
@@ -34,19 +34,19 @@ impl State {
 /// A cause with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// What.
+    /// The cause.
     pub cause: Cause,
-    /// In the unit of the cause.
+    /// Its value in the unit of the cause.
     pub value: f32,
     /// Its standard deviation.
     pub sd: f32,
 }
 
 impl Finding {
-    /// The normal distribution's 5 and 95 %.
+    /// The 95 % quantile of the normal distribution.
     const NINETY: f32 = 1.645;
 
-    /// In nine of ten cases the value is between these, in the unit of the cause.
+    /// The 90 % interval of the value, in the unit of the cause.
     pub fn interval_90(&self) -> [f32; 2] {
         let half = Self::NINETY * self.sd;
         [self.value - half, self.value + half]

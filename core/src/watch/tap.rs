@@ -1,9 +1,9 @@
-//! Of the control steps of a test: sums and run lengths, block by block.
+//! Sums and run lengths of the control steps of a test, block by block.
 
 use super::post::BlockId;
 use core::num::NonZeroU8;
 
-/// Samples a second that the rest of the watch works with, about.
+/// Approximate sample rate of the rest of the watch, Hz.
 const BLOCKS_HZ: f64 = 500.0;
 
 /// Control steps in a block at `rate_hz`.
@@ -12,7 +12,7 @@ pub fn steps_in_block(rate_hz: f64) -> u32 {
     if steps < 1.0 { 1 } else { steps as u32 }
 }
 
-/// The means of a few control steps, and for how many steps the last words have been the same.
+/// The means of a few control steps, and for how many steps the latest words have been the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Command in force, m.
@@ -26,7 +26,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Of nothing.
+    /// An empty block.
     pub const EMPTY: Self = Self {
         command_m: 0.0,
         displacement_m: 0.0,
@@ -47,7 +47,7 @@ pub struct Tap {
 }
 
 impl Tap {
-    /// In blocks of so many control steps.
+    /// For blocks of `steps` control steps.
     pub fn of(steps: u32) -> Self {
         Self {
             sums: [0.0; 3],
@@ -59,12 +59,12 @@ impl Tap {
         }
     }
 
-    /// As new.
+    /// Resets.
     pub fn rest(&mut self) {
         *self = Self::of(self.steps);
     }
 
-    /// Takes a control step in; true if a block is full.
+    /// Adds a control step; true if a block is full.
     #[inline]
     pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
         self.sums[0] += command_m;
@@ -83,7 +83,7 @@ impl Tap {
         self.left == 0
     }
 
-    /// The full block; the next one begins.
+    /// Returns the full block and starts the next one.
     pub fn close(&mut self) -> Block {
         let [command, displacement, force] = self.sums;
         self.sums = [0.0; 3];
@@ -107,12 +107,12 @@ pub struct Taps<const N: usize> {
     /// The running test, and its next block.
     test: Option<NonZeroU8>,
     block: u32,
-    /// A step of the running test was lost.
+    /// True if a step of the running test was lost.
     lost: bool,
 }
 
 impl<const N: usize> Taps<N> {
-    /// In blocks of so many control steps.
+    /// For blocks of `steps` control steps.
     pub fn of(steps: u32) -> Self {
         Self {
             taps: core::array::from_fn(|_| Tap::of(steps)),
@@ -122,13 +122,13 @@ impl<const N: usize> Taps<N> {
         }
     }
 
-    /// The test of which a step came last.
+    /// The test of the latest step.
     pub fn test(&self) -> Option<NonZeroU8> {
         self.test
     }
 
-    /// Takes in the next control step of `test`, of the actuators that it has; `is_next`: none was lost before it. Gives the
-    /// block that it fills. After a step that was lost there are no blocks until the next test.
+    /// Adds the next control step of `test`, for its actuators; `is_next`: no step was lost before it. Returns the
+    /// block that it fills. After a lost step there are no blocks until the next test.
     pub fn add<'a>(
         &mut self,
         test: NonZeroU8,
@@ -180,7 +180,7 @@ mod tests {
         show(1, 10, false);
         (11..40).for_each(|number| show(1, number, true));
         (0..6).for_each(|number| show(2, number, true));
-        // The first that comes of a test is not its first.
+        // The first step to arrive is not the test's first.
         show(3, 1, false);
         (2..40).for_each(|number| show(3, number, true));
         assert_eq!(full[..], [(1, 0, 1.5), (1, 1, 5.5), (2, 0, 1.5)]);

@@ -1,10 +1,10 @@
-//! Whether a value that stands out goes on moving in one direction: an offset that drifts.
+//! Whether a deviation keeps moving in one direction: an offset that drifts.
 
-/// Natural periods after the first value that do not count: a window still holds what was before.
+/// Natural periods after the first value that do not count: a window still holds earlier data.
 const BEGINS: f32 = 1.0;
-/// Natural periods over which it has to move, at least.
+/// Least time over which it must move, natural periods.
 const LEAST: f32 = 2.0;
-/// Share of its variance that a straight line has to explain.
+/// Fraction of its variance that a straight line must explain.
 const STRAIGHT: f32 = 0.9;
 
 /// The line through the values of successive rounds.
@@ -31,7 +31,7 @@ impl Trend {
         product: 0.0,
     };
 
-    /// The value of the next round, of which a natural period has so many.
+    /// Adds the value of the next round; `a_period` rounds make a natural period.
     pub(super) fn add(&mut self, value: f32, a_period: f32) {
         self.rounds += 1.0;
         if self.rounds <= BEGINS * a_period {
@@ -46,7 +46,7 @@ impl Trend {
         self.product += time * value;
     }
 
-    /// Change in a natural period with its standard deviation, where the values follow a line and have moved by more than `least`.
+    /// Change per natural period and its standard deviation, if the values follow a line over more than `least`.
     pub(super) fn of_a_period(&self, least: f32, a_period: f32) -> Option<(f32, f32)> {
         let span = self.n / a_period;
         if span < LEAST {
@@ -57,7 +57,7 @@ impl Trend {
         let product = self.product - self.time * self.value / self.n;
         let slope = product / spread;
         let straight = product * product > STRAIGHT * spread * values;
-        // Of a period's values only one is new.
+        // Of the values in a period only one is independent.
         let left = (values - slope * product).max(0.0) / span;
         (straight && (slope * span).abs() > least).then(|| (slope, libm::sqrtf(left / spread)))
     }
@@ -81,7 +81,7 @@ mod tests {
     fn what_moves_on_has_a_rate_and_what_has_jumped_or_sways_has_none() {
         let rate = trend(80, |t| 4.0 + 1.5 * t).expect("it moves");
         assert!((rate - 1.5).abs() < 1e-3, "{rate}");
-        // As a window sees a jump: what was before is forgotten.
+        // A jump as a window sees it: older data are forgotten.
         assert_eq!(trend(80, |t| 6.0 * (1.0 - (-t / 0.75_f32).exp())), None);
         assert_eq!(trend(80, |t| 6.0 + 2.0 * (6.0 * t).sin()), None);
         assert_eq!(trend(80, |t| 6.0 + 0.3 * t), None, "within the tolerance");

@@ -1,15 +1,15 @@
-//! Samples of a specimen that unloads: elastic, whatever it does while it is loaded.
+//! Samples of a specimen during unloading, which is elastic whatever happens under load.
 
 use super::signals::Row;
 
-/// A reversal is one when it has been left by so much, peaks.
+/// Distance from an extreme that makes it a reversal, peaks.
 const LEFT: f32 = 0.01;
-/// Samples whose force is between these shares of that at the last reversal are taken.
+/// Samples count if their force is between these fractions of that at the last reversal.
 const SHARES: [f32; 2] = [0.94, 0.5];
-/// Reversals at less force than this, stiffness times peak, tell nothing: friction holds small motions.
+/// Reversals at less force than this, stiffness times peak, do not count: friction dominates small motions.
 const LEAST_FORCE: f32 = 0.1;
 
-/// What is kept of the last reversal.
+/// Data of the last reversal.
 #[derive(Clone, Copy, Debug, Default)]
 struct Extreme {
     x: f32,
@@ -27,8 +27,8 @@ pub(super) struct Unloading {
 }
 
 impl Unloading {
-    /// Takes a row in. While it unloads: columns way, velocity, acceleration, sign of the velocity and cube of the displacement,
-    /// counted from the reversal, and the force that the declared stiffness does not explain.
+    /// Adds a row. During unloading: columns displacement, velocity, acceleration, sign of the velocity and cube of the
+    /// displacement, counted from the reversal, and the force that the declared stiffness does not explain.
     pub(super) fn add(&mut self, row: &Row) -> Option<([f32; 5], f32)> {
         let sign = if self.rising { 1.0 } else { -1.0 };
         let x = row.x[0];
@@ -39,7 +39,7 @@ impl Unloading {
                 acceleration: row.y[2],
             };
         } else if sign * (self.furthest.x - x) > LEFT {
-            // A reversal near zero force overwrites the one before it, too.
+            // A reversal near zero force also overwrites the one before it.
             let loaded = self.furthest.r * sign > LEAST_FORCE;
             self.reversal = loaded.then_some(self.furthest);
             self.rising = !self.rising;
@@ -59,7 +59,7 @@ impl Unloading {
             return None;
         }
         let way = x - from.x;
-        // Friction has changed its sign: twice its force.
+        // Friction has changed sign: twice its force.
         let rub = if self.rising { 2.0 } else { -2.0 };
         let bend = x * x * x - from.x * from.x * from.x;
         let columns = [way, row.x[1], row.y[2] - from.acceleration, rub, bend];
@@ -71,7 +71,7 @@ impl Unloading {
 mod tests {
     use super::*;
 
-    /// Slope of force over way of the samples of a specimen with force `r(x)` along a path.
+    /// Samples, and the largest departure of their slope from the declared stiffness, for a force `r(x)` along a path.
     fn slopes(force: impl FnMut(f32) -> f32) -> (usize, f32) {
         let mut force = force;
         let mut unloading = Unloading::default();
@@ -99,7 +99,7 @@ mod tests {
             last = 0.05 * x + 0.95 * (x - plastic);
             last
         });
-        // The kinematic hardening of 5 % is a part of the elastic slope.
+        // The kinematic hardening of 5 % is part of the elastic slope.
         assert!(n > 60 && worst < 0.02, "{n} samples, {worst}");
         let (n, worst) = slopes(|x| 0.7 * x);
         assert!(n > 60 && (worst - 0.3).abs() < 0.02, "{n} samples, {worst}");

@@ -1,28 +1,28 @@
-//! What the watches of all actuators say together.
+//! The joint verdict of the watches of all actuators.
 
 use super::orders::Alarm;
 use super::state::State;
 
-/// What all of them say of a block.
+/// Their joint verdict on a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Of the worst.
+    /// The worst state.
     pub state: State,
-    /// Of the first that has one.
+    /// The first alarm.
     pub alarm: Option<Alarm>,
-    /// State or set of one of them have changed.
+    /// True if the state or set of any of them has changed.
     pub changed: bool,
 }
 
 impl Verdict {
-    /// Nothing stands out.
+    /// Nothing to report.
     pub const NONE: Self = Self {
         state: State::Sound,
         alarm: None,
         changed: false,
     };
 
-    /// And what others say.
+    /// Combined with the verdict of others.
     pub fn with(self, other: Self) -> Self {
         Self {
             state: self.state.max(other.state),

@@ -1,7 +1,7 @@
 //! A proof by the linker: this image can only be linked if nothing in a control period can panic.
 //!
-//! Its panic handler calls a function that does not exist. As long as no path leads to a panic the handler is thrown
-//! away and nobody misses the function. It is not meant to run: the loops it ticks lie in memory nobody has filled.
+//! Its panic handler calls a function that does not exist. As long as no path leads to a panic, the handler is
+//! discarded and the function is never missed. It is not meant to run: its loops lie in uninitialised memory.
 
 #![no_std]
 #![no_main]
@@ -20,7 +20,7 @@ unsafe extern "C" {
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    // SAFETY: never called; if it could be, there would be no image.
+    // SAFETY: never called; otherwise there would be no image.
     unsafe { a_control_period_can_panic() }
 }
 
@@ -44,7 +44,7 @@ fn main() -> ! {
     static mut COUPLED: MaybeUninit<OuterLoop<3, CoupledRig>> = MaybeUninit::uninit();
     static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
-        // SAFETY: none is claimed: the image is linked and looked at, not run.
+        // SAFETY: none is claimed: the image is linked and inspected, not run.
         unsafe {
             period(black_box(&mut *ONE).assume_init_mut());
             period(black_box(&mut *THREE).assume_init_mut());

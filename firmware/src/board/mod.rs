@@ -1,6 +1,6 @@
-//! What a board is made of. Nothing here knows the algorithm.
+//! The parts of a board. Nothing here knows the algorithm.
 //!
-//! An image is for one board, and [`this`] is the one that the features name.
+//! An image is for one board, and [`this`] is the one selected by the features.
 
 #[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
 pub mod nucleo_f429zi;

@@ -1,22 +1,22 @@
-//! How deep the stack has been, by paint.
+//! Stack depth, measured by painting.
 //!
 //! # Limitations
-//! It sees what has been written, so it is a high-water mark of what has run, not a proof for what could.
+//! It sees only what was written: a high-water mark of the code that has run, not a proof for all code.
 
 use core::ptr::{read_volatile, write_volatile};
 use cortex_m::register::msp;
 
 const PAINT: u32 = 0xC0DE_57AC;
 
-/// Bytes below the stack pointer that painting itself may be using.
+/// Bytes below the stack pointer that painting itself may use.
 const OWN: usize = 64;
 
 unsafe extern "C" {
-    /// By `memory.x`: the stack may grow down to here.
+    /// From `memory.x`: the stack may grow down to here.
     static mut _stack_end: u32;
 }
 
-/// The stack as it was when it was painted.
+/// The stack at the time it was painted.
 pub struct HighWater {
     top: usize,
 }
@@ -28,15 +28,15 @@ impl HighWater {
         let top = msp::read() as usize;
         let mut word = bottom();
         while word < top - OWN {
-            // SAFETY: between the end of the stack and the stack pointer nothing lives, and
-            // the words that this function itself uses are left out.
+            // SAFETY: nothing lives between the end of the stack and the stack pointer, and the words used by this
+            // function itself are left out.
             unsafe { write_volatile(word as *mut u32, PAINT) };
             word += 4;
         }
         Self { top }
     }
 
-    /// Bytes by which the stack has since grown beyond where it was painted; at least 64, which painting used itself.
+    /// Bytes by which the stack has since grown beyond the painted point; at least the 64 used by painting itself.
     #[inline(never)]
     pub fn bytes(&self) -> usize {
         let mut word = bottom();

@@ -1,10 +1,10 @@
-//! The AD5754R: four outputs of -10 to +10 V, 16 bits, with a reference of its own; three of them are used.
+//! The AD5754R: four outputs of -10 to +10 V, 16 bits, with internal reference; three outputs are used.
 //!
-//! By its data sheet (Analog Devices) a [command](super::output) has a bit for read or write, a zero,
-//! three bits of the register, three of the output, 16 of data. Codes wait in the input registers for the falling edge of
-//! LDAC, which brings all of them to the outputs at once. After power-up the outputs are clamped to ground until they are
-//! powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's complement) is 0 V, the middle of
-//! the stroke.
+//! According to its data sheet (Analog Devices) a [command](super::output) has a read/write bit, a zero, three register
+//! bits, three output bits and 16 data bits. Codes wait in the input registers for the falling edge of LDAC, which
+//! transfers all of them to the outputs at once. After power-up the outputs are clamped to ground until they are
+//! powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's complement) is 0 V, the
+//! middle of the stroke.
 
 use super::output::OutputBus;
 use crate::chip::this::conversion::WAIT;
@@ -16,10 +16,10 @@ const RANGE: u8 = 1 << 3;
 const POWER: u8 = 2 << 3;
 const CONTROL: u8 = 3 << 3;
 
-/// All outputs, of the range register.
+/// All outputs, in the range register.
 const ALL: u8 = 4;
 
-// Of the control register.
+// For the control register.
 const NOTHING: u8 = CONTROL;
 const MANNER: u8 = CONTROL | 1;
 const CLEAR: u8 = CONTROL | 4;
@@ -27,17 +27,17 @@ const CLEAR: u8 = CONTROL | 4;
 /// -10 to +10 V.
 const TEN_VOLTS: u16 = 4;
 
-/// Shut down when too hot, limit the current into a short, clear to 0 V.
+/// Thermal shutdown, current limit on a short, clear to 0 V.
 const GUARDED: u16 = 1 << 3 | 1 << 2;
 
-/// Outputs A to C and the reference have power.
+/// Outputs A to C and the reference are powered.
 const POWERED: u16 = 1 << 4 | 7;
 
-/// What is compared of the power register: all that is written, and the flags above it (too hot, too much current), which
-/// must be clear.
+/// Bits of the power register that are compared: all written ones, and the flags above them (over-temperature,
+/// overcurrent), which must be clear.
 const POWER_MASK: u16 = 0x07bf;
 
-/// Two's complement to codes that count from the lower end, and back.
+/// Converts two's complement to codes that count from the lower end, and back.
 const SIGN: u16 = 0x8000;
 
 /// Outputs in use.
@@ -50,7 +50,7 @@ pub struct Ad5754r {
 }
 
 impl Ad5754r {
-    /// Set up, unless it already is and holds its voltages.
+    /// Sets it up, unless it already is and holds its voltages.
     pub fn new(bus: OutputBus) -> Self {
         let mut dac = Self { bus, held: false };
         dac.held = dac.is_set_up();
@@ -64,18 +64,18 @@ impl Ad5754r {
                 dac.bus.command(register, data);
                 cortex_m::asm::delay(WAIT);
             }
-            // An output takes codes 10 us after it got power.
+            // An output accepts codes 10 us after it was powered.
             cortex_m::asm::delay(10 * WAIT);
         }
         dac
     }
 
-    /// It was set up when the chip started, and has held its voltages: nothing is written where nobody knows what to.
+    /// True if it was set up when the chip started, and has held its voltages: nothing unknown is ever written.
     pub fn has_held(&self) -> bool {
         self.held
     }
 
-    /// It says that it is set up as it should be.
+    /// True if it reports the intended setup.
     pub fn is_set_up(&mut self) -> bool {
         let mut read = |register: u8| {
             let answer = self.bus.ask(READ | register, NOTHING);
@@ -87,7 +87,7 @@ impl Ad5754r {
                 .all(|output| read(RANGE | output).map(|range| range & 7) == Some(TEN_VOLTS))
     }
 
-    /// The code that an output shows from LDAC's next fall on.
+    /// Sets the code that an output shows from LDAC's next fall on.
     #[inline]
     pub fn write(&mut self, output: usize, code: u16) {
         self.bus.command(CODE | output as u8, code ^ SIGN);

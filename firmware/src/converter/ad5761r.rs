@@ -1,8 +1,8 @@
-//! The AD5761R: one output of -10 to +10 V, 16 bits, with a reference of its own.
+//! The AD5761R: one output of -10 to +10 V, 16 bits, with internal reference.
 //!
-//! By its data sheet (Analog Devices, Rev. C) a [command](super::output) has four bits that mean nothing, four of the
-//! command, 16 of data. A code waits in the input register for the falling edge of LDAC. After power-up and after a full
-//! reset the output is clamped to ground until the control register is written.
+//! According to its data sheet (Analog Devices, Rev. C) a [command](super::output) has four don't-care bits, four
+//! command bits and 16 data bits. A code waits in the input register for the falling edge of LDAC. After power-up and
+//! after a full reset the output is clamped to ground until the control register is written.
 
 use super::output::OutputBus;
 use crate::chip::this::conversion::WAIT;
@@ -14,11 +14,11 @@ const WRITE_CONTROL: u8 = 0x4;
 const READ_CONTROL: u8 = 0xc;
 const FULL_RESET: u8 = 0xf;
 
-/// Clear voltage and power-up voltage in the middle, shut down when too hot, own reference, range -10 to +10 V, straight
+/// Clear voltage and power-up voltage at mid-scale, thermal shutdown, internal reference, range -10 to +10 V, straight
 /// binary.
 const CONTROL: u16 = 1 << 9 | 1 << 6 | 1 << 5 | 1 << 3;
 
-/// What is compared of the control register: all that is written, and the brown-out flag above it, which must be clear.
+/// Bits of the control register that are compared: all written ones, and the brown-out flag above, which must be clear.
 const CONTROL_MASK: u32 = 0xfff;
 
 /// The converter.
@@ -28,7 +28,7 @@ pub struct Ad5761r {
 }
 
 impl Ad5761r {
-    /// Set up, unless it already is and holds its voltage.
+    /// Sets it up, unless it already is and holds its voltage.
     pub fn new(bus: OutputBus) -> Self {
         let mut dac = Self { bus, held: false };
         dac.held = dac.is_set_up();
@@ -41,18 +41,18 @@ impl Ad5761r {
         dac
     }
 
-    /// It was set up when the chip started, and has held its voltage: nothing is written where nobody knows what to.
+    /// True if it was set up when the chip started, and has held its voltage: nothing unknown is ever written.
     pub fn has_held(&self) -> bool {
         self.held
     }
 
-    /// It says that it is set up as it should be.
+    /// True if it reports the intended setup.
     pub fn is_set_up(&mut self) -> bool {
         let answer = self.bus.ask(READ_CONTROL, NOTHING);
         answer.is_some_and(|bits| bits & CONTROL_MASK == u32::from(CONTROL))
     }
 
-    /// The code that the output shows from LDAC's next fall on.
+    /// Sets the code that the output shows from LDAC's next fall on.
     #[inline]
     pub fn write(&mut self, code: u16) {
         self.bus.command(WRITE_INPUT, code);

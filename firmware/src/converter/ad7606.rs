@@ -1,9 +1,9 @@
-//! The AD7606: eight inputs of -10 to +10 V, sampled at one instant, 16 bits, read in series over one line.
+//! The AD7606: eight inputs of -10 to +10 V, sampled at one instant, 16 bits, read serially over one line.
 //!
-//! By its data sheet (Analog Devices, Rev. F): the rising edge of CONVST samples all inputs; BUSY is high for 4.15 us at most
-//! (no oversampling, OS0 to OS2 low) and its fall puts the results into the output registers; the falling edge of CS brings
-//! the first bit of V1, each rising edge of SCLK the next; SCLK is at most 14.5 MHz at VDRIVE of 3 V. Results are in two's
-//! complement.
+//! According to its data sheet (Analog Devices, Rev. F): the rising edge of CONVST samples all inputs; BUSY is high for
+//! at most 4.15 us (no oversampling, OS0 to OS2 low) and its fall puts the results into the output registers; the
+//! falling edge of CS brings the first bit of V1, each rising edge of SCLK the next; SCLK is at most 14.5 MHz at VDRIVE
+//! of 3 V. Results are in two's complement.
 
 use crate::chip::this::clocks::CORE_HZ;
 use crate::chip::this::conversion::ConversionPins;
@@ -11,29 +11,28 @@ use crate::chip::this::spi::Bus;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::Output;
 
-/// Two's complement to codes that count from the lower end, and back.
+/// Converts two's complement to codes that count from the lower end, and back.
 const SIGN: u16 = 0x8000;
 
 /// A microsecond, in cycles.
 const US: u32 = CORE_HZ / 1_000_000;
 
-/// A conversion may take so long while nothing else waits for it.
+/// Time allowed for a conversion while nothing else waits for it.
 const CONVERSION_CYCLES: u32 = 100 * US;
 
-/// Conversions at the start until the reference is there, and the pause between them: the converter's own takes some 30 ms
-/// from power-up.
+/// Start-up conversions until the reference is ready, and the pause between them: the converter's own reference takes
+/// some 30 ms from power-up.
 const FIRST_CONVERSIONS: usize = 50;
 const PAUSE_CYCLES: u32 = 1000 * US;
 
-/// What the last input that is read has to show, and by how much it may be off: half of the board's 3.3 V by two resistors
-/// of 10 kOhm, a tenth for supply, resistors and the input's 1 MOhm. It proves select, clock, order, bit position and
-/// reference of the frame that it comes with; a line that is dead or stuck reads 0 or -1 there, which at a sensor is the
-/// middle of its range.
+/// Required reading of the last input read, and its tolerance: half of the board's 3.3 V by two resistors of 10 kOhm, a
+/// tenth for supply, resistors and the input's 1 MOhm. It proves select, clock, order, bit position and reference of
+/// its frame; a line that is dead or stuck reads 0 or -1 there, which at a sensor is the middle of its range.
 const KNOWN: u16 = SIGN + 5406;
 const KNOWN_OFF: u16 = 541;
 
-/// Frames one after the other in which the known voltage may have the same code, if that lasts so long. The converter's noise is half
-/// a code rms: one that says that it has converted, and shows an earlier result, has none.
+/// Consecutive frames in which the known voltage may have the same code, if that lasts this long. The converter's noise
+/// is half a code rms: a converter that claims to have converted but repeats an earlier result has none.
 const STANDS_FRAMES: u16 = 100;
 const STANDS_CYCLES: u32 = 500_000 * US;
 
@@ -41,11 +40,11 @@ const STANDS_CYCLES: u32 = 500_000 * US;
 pub struct Ad7606 {
     bus: Bus,
     select: Output<'static>,
-    /// The last code of the known voltage, since when it has been that, in cycles, and in how many frames.
+    /// The last code of the known voltage, since when it has been unchanged, in cycles, and for how many frames.
     known: u16,
     since: u32,
     same: u16,
-    /// It has been that for too long.
+    /// True if it has been unchanged for too long.
     stands: bool,
 }
 
@@ -56,7 +55,7 @@ impl Ad7606 {
         cortex_m::asm::delay(US);
         reset.set_low();
         cortex_m::asm::delay(US);
-        // It stays as it is.
+        // The pin must stay configured.
         core::mem::forget(reset);
         Self {
             bus,
@@ -68,7 +67,7 @@ impl Ad7606 {
         }
     }
 
-    /// A conversion by hand, before the timer runs: the first `W` inputs, with the known voltage at the last of them. No codes:
+    /// A conversion by hand, before the timer runs: the first `W` inputs, the last of them the known voltage. `None`:
     /// the converter does not answer.
     pub fn first<const W: usize>(&mut self, pins: &mut ConversionPins) -> Option<[u16; W]> {
         for _ in 0..FIRST_CONVERSIONS {
@@ -93,7 +92,7 @@ impl Ad7606 {
     /// The first `W` inputs of the last conversion, V1 first; `None` if the last of them does not show the known voltage.
     #[inline]
     pub fn read<const W: usize>(&mut self) -> Option<[u16; W]> {
-        // A word of an earlier frame that came too late would shift this one.
+        // A late word of an earlier frame would shift this one.
         self.bus.empty();
         self.select.set_low();
         let codes = self.words();
@@ -108,7 +107,7 @@ impl Ad7606 {
         })
     }
 
-    /// Whether the known voltage still has its noise.
+    /// Checks that the known voltage still has its noise.
     fn look_at(&mut self, known: u16) {
         let now = DWT::cycle_count();
         if known != self.known {
@@ -120,7 +119,7 @@ impl Ad7606 {
         self.stands |= self.same >= STANDS_FRAMES && lasts;
     }
 
-    /// Its results are new ones, as far as their noise shows it.
+    /// True if its results are new, as far as their noise shows.
     pub fn converts(&self) -> bool {
         !self.stands
     }

@@ -1,4 +1,4 @@
-//! External converters, each by its data sheet. They know a bus and a pin or two, and no board.
+//! External converters, each according to its data sheet. They know a bus and a pin or two, and no board.
 
 pub mod ad5754r;
 pub mod ad5761r;

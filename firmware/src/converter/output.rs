@@ -1,5 +1,5 @@
-//! How the AD5761R and the AD5754R are talked to: 24 bits a command, read at the falling edges of SCLK while SYNC is
-//! low, in force when SYNC rises. What a read command asks for comes with the next one.
+//! The protocol of the AD5761R and the AD5754R: 24 bits per command, sampled at the falling edges of SCLK while SYNC is
+//! low, in effect when SYNC rises. The reply to a read command comes with the next one.
 
 use crate::chip::this::conversion::WAIT;
 use crate::chip::this::spi::{ASKING, Bus, WRITING};
@@ -14,7 +14,7 @@ pub struct OutputBus {
 }
 
 impl OutputBus {
-    /// A command; gives what the one before it asked for.
+    /// Sends a command; returns the reply to the previous one.
     #[inline]
     pub fn command(&mut self, first: u8, data: u16) -> Option<u32> {
         self.bus.empty();
@@ -25,7 +25,7 @@ impl OutputBus {
         answer
     }
 
-    /// What the read command `question` gives; `nothing` is a command without effect.
+    /// The reply to the read command `question`; `nothing` is a command without effect.
     pub fn ask(&mut self, question: u8, nothing: u8) -> Option<u32> {
         self.bus.set_divider(ASKING);
         self.command(question, 0);

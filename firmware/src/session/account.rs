@@ -1,4 +1,4 @@
-//! What a session ends with.
+//! The end of a session.
 
 use super::words::{Malformed, Message, Words, push, push_long};
 
@@ -7,21 +7,21 @@ use super::words::{Malformed, Message, Words, push, push_long};
 pub struct SessionAccount {
     /// Hash over the records of all steps.
     pub hash: u64,
-    /// All steps together, in ticks of the stopwatch.
+    /// All steps together, in stopwatch ticks.
     pub total_ticks: u64,
     /// Control periods.
     pub steps: u32,
     /// The longest step, in ticks.
     pub worst_ticks: u32,
-    /// Ticks of 1024 instructions; a count of instructions only where the emulator's clock counts them.
+    /// Ticks of 1024 instructions; counts instructions only if the emulator's clock does.
     pub ticks_per_1024_instructions: u32,
-    /// Ticks that the measurement itself adds to a step.
+    /// Ticks added to a step by the measurement itself.
     pub overhead_ticks: u32,
-    /// Bytes of stack that a control period took.
+    /// Stack used by a control period, bytes.
     pub period_stack_bytes: u32,
-    /// Bytes of stack that an event took.
+    /// Stack used by an event, bytes.
     pub event_stack_bytes: u32,
-    /// Bytes of the outer loop with all its state.
+    /// Size of the outer loop with all its state, bytes.
     pub state_bytes: u32,
 }
 
@@ -29,7 +29,7 @@ impl SessionAccount {
     /// Length in bytes.
     pub const BYTES: usize = 44;
 
-    /// As bytes.
+    /// Encodes it.
     pub fn encode(&self) -> Message {
         let mut bytes = Message::new();
         push_long(&mut bytes, self.hash);
@@ -48,10 +48,10 @@ impl SessionAccount {
         bytes
     }
 
-    /// From bytes.
+    /// Decodes it.
     ///
     /// # Errors
-    /// Another length.
+    /// Wrong length.
     pub fn decode(bytes: &[u8]) -> Result<Self, Malformed> {
         let mut words = Words::of(bytes, Self::BYTES)?;
         Ok(Self {
@@ -67,7 +67,7 @@ impl SessionAccount {
         })
     }
 
-    /// Instructions in `ticks`, where the clock counts instructions.
+    /// Instructions in `ticks`, if the clock counts instructions.
     pub fn instructions(&self, ticks: f64) -> f64 {
         (ticks - f64::from(self.overhead_ticks)) * 1024.0
             / f64::from(self.ticks_per_1024_instructions)

@@ -3,10 +3,10 @@
 use super::words::{Malformed, Message, Words, push};
 use outerloop_core::{Fault, Record, Sample};
 
-/// What the PC asks for in a control period.
+/// The PC's order for a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PeriodRequest<const N: usize> {
-    /// A step with this sample, after the command that follows the order if there is one.
+    /// A step with this sample, after the command that follows the order, if any.
     Step {
         /// A command of `link` follows.
         command: bool,
@@ -26,7 +26,7 @@ impl<const N: usize> PeriodRequest<N> {
     /// Length in bytes.
     pub const BYTES: usize = 4 * (1 + 2 * N);
 
-    /// As bytes.
+    /// Encodes it.
     pub fn encode(&self) -> Message {
         let (word, sample) = match self {
             Self::End => (END, Sample::new([0.0; N], [0.0; N])),
@@ -45,10 +45,10 @@ impl<const N: usize> PeriodRequest<N> {
         bytes
     }
 
-    /// From bytes.
+    /// Decodes it.
     ///
     /// # Errors
-    /// Another length, or a fault that does not exist.
+    /// Wrong length, or a fault that does not exist.
     pub fn decode(bytes: &[u8]) -> Result<Self, Malformed> {
         let mut words = Words::of(bytes, Self::BYTES)?;
         let word = words.word()?;
@@ -72,7 +72,7 @@ impl<const N: usize> PeriodRequest<N> {
     }
 }
 
-/// What the image gives back in a control period.
+/// The image's output of a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodReply<const N: usize> {
     /// True if the actuator may move.
@@ -82,10 +82,10 @@ pub struct PeriodReply<const N: usize> {
 }
 
 impl<const N: usize> PeriodReply<N> {
-    /// Length in bytes, with the record behind it.
+    /// Length in bytes, including the record after it.
     pub const BYTES: usize = 4 * (1 + N + Record::<N>::WORDS);
 
-    /// As bytes, with the record of the step behind it.
+    /// Encodes it, followed by the record of the step.
     pub fn encode(&self, record: &Record<N>) -> Message {
         let mut bytes = Message::new();
         push(&mut bytes, u32::from(self.permit));
@@ -96,10 +96,10 @@ impl<const N: usize> PeriodReply<N> {
         bytes
     }
 
-    /// From bytes; what is left of the words is the record, in the order of its fields.
+    /// Decodes it; the remaining words are the record, in the order of its fields.
     ///
     /// # Errors
-    /// Another length.
+    /// Wrong length.
     pub fn decode(bytes: &[u8]) -> Result<(Self, Words<'_>), Malformed> {
         let mut words = Words::of(bytes, Self::BYTES)?;
         let mut output = Self {

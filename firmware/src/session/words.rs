@@ -1,4 +1,4 @@
-//! Messages as words of 32 bits.
+//! Messages as 32-bit words.
 
 use outerloop_core::Record;
 use outerloop_core::config::MAX_DOF;
@@ -9,11 +9,11 @@ const MAX_BYTES: usize = 4 * (1 + MAX_DOF + Record::<MAX_DOF>::WORDS);
 /// A message as it is sent.
 pub type Message = heapless::Vec<u8, MAX_BYTES>;
 
-/// A message that does not mean anything.
+/// A message without meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Malformed;
 
-/// Appends a word; every message fits by the length that [`MAX_BYTES`] was made for.
+/// Appends a word; every message fits, since [`MAX_BYTES`] is the length of the longest.
 pub(super) fn push(message: &mut Message, word: u32) {
     let fits = message.extend_from_slice(&word.to_le_bytes());
     debug_assert!(fits.is_ok());
@@ -24,12 +24,12 @@ pub(super) fn push_long(message: &mut Message, long: u64) {
     push(message, (long >> 32) as u32);
 }
 
-/// The words of a message, in their order.
+/// The words of a message, in order.
 #[derive(Clone, Debug)]
 pub struct Words<'a>(&'a [u8]);
 
 impl<'a> Words<'a> {
-    /// Of a message that must be `length` bytes long.
+    /// The words of a message that must be `length` bytes long.
     pub(super) fn of(bytes: &'a [u8], length: usize) -> Result<Self, Malformed> {
         if bytes.len() == length {
             Ok(Self(bytes))

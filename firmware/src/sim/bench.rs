@@ -16,10 +16,10 @@ use link::reply::{NumberedReply, Reply};
 use link::status::StartCause;
 use outerloop_core::Mode;
 
-/// The simulated board with its tasks, and what is broken in it.
+/// The simulated board with its tasks, and its defects.
 pub type Bench<P, const A: usize = 1> = Tasks<Faulty<SimBoard<P, A>>, A>;
 
-/// A board that has just got power, with its tasks. What it leaks is some hundred KiB a board.
+/// A board just powered up, with its tasks. Each one leaks some hundred KiB.
 pub struct Tasks<H, const A: usize = 1> {
     /// The control interrupt's part.
     pub station: Station<A>,
@@ -29,9 +29,9 @@ pub struct Tasks<H, const A: usize = 1> {
     pub hardware: H,
     /// Signs of life.
     pub heartbeats: &'static Heartbeats,
-    /// Which signs are shown after each step.
+    /// The tasks that show signs of life after each step.
     pub alive: [Heartbeat; 3],
-    /// How long the saved records were, test and calibrations together.
+    /// Lengths of the saved records: test, and all calibrations together.
     pub saved: [Option<usize>; 2],
     outcomes: Consumer<'static, Outcome>,
     reports: Consumer<'static, Report>,
@@ -47,7 +47,7 @@ fn leak<T>(x: T) -> &'static mut T {
 }
 
 impl<P: Plant<A>, const A: usize> Bench<P, A> {
-    /// With `plant` behind the converters; nobody has calibrated it.
+    /// With `plant` on the converters; not calibrated yet.
     pub fn new(plant: P) -> Self {
         let board = SimBoard::new(plant);
         Self::of(Faulty::new(board), "sim", Calibration::placeholder(&CODES))
@@ -55,12 +55,12 @@ impl<P: Plant<A>, const A: usize> Bench<P, A> {
 }
 
 impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
-    /// Of the board `hardware`; until it is calibrated it goes by `placeholder`.
+    /// Runs on the board `hardware`; until it is calibrated it uses `placeholder`.
     pub fn of(hardware: H, name: &'static str, placeholder: Calibration) -> Self {
         Self::started(hardware, Self::well(name), placeholder)
     }
 
-    /// A board whose start has found nothing wrong.
+    /// A board that has found nothing wrong at its start.
     pub fn well(name: &'static str) -> Board {
         Board {
             name,
@@ -79,7 +79,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// As [`of`](Self::of), with what the board has found at its start.
+    /// Like [`of`](Self::of), with the board's findings at its start.
     pub fn started(mut hardware: H, board: Board, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
@@ -137,7 +137,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// A bit turns over in one of the two copies of the first actuator's calibration that the tasks keep: of its command's zero.
+    /// Flips a bit in one of the tasks' two copies of the first actuator's calibration: in its command's zero.
     pub fn turn_over_zero_of_the_tasks(&mut self, copy: usize, bit: u32) {
         if let Some((copies, _)) = self.service.calibrations.first_mut()
             && let Some(calibration) = copies.both().get_mut(copy)
@@ -146,7 +146,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// The same in what the control interrupt keeps.
+    /// The same in the control interrupt's copies.
     pub fn turn_over_zero(&mut self, copy: usize, bit: u32) {
         let copies = self.station.calibrations.both();
         if let Some([calibration, ..]) = copies.get_mut(copy).map(|c| c.as_mut_slice()) {
@@ -154,14 +154,14 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// How the ground motion is laid over the steps is wrong in one of its two copies.
+    /// Corrupts one of the two copies of the ground motion's mapping onto the steps.
     pub fn spoil_motion(&mut self, copy: usize) {
         if let Some(motion) = &mut self.station.motion {
             motion.spoil(copy);
         }
     }
 
-    /// One control period, and what the tasks do in it; its report.
+    /// One control period, and the tasks' work in it; returns its report.
     pub fn step(&mut self) -> Report {
         self.period();
         self.take_in().unwrap_or_else(|| panic!("a report a step"))
@@ -175,14 +175,14 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// The tasks' part: the next report that waits, if there is one.
+    /// The tasks' part: the next waiting report, if any.
     pub fn take_in(&mut self) -> Option<Report> {
         let report = self.reports.dequeue()?;
         self.service.see(&report);
         Some(report)
     }
 
-    /// Hands a command to the service; `None`: the answer comes after the next step, by [`go_on`](Self::go_on).
+    /// Passes a command to the service; `None`: the answer comes after the next step, from [`go_on`](Self::go_on).
     pub fn receive(
         &mut self,
         request: u16,
@@ -193,7 +193,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         self.answer(asked)
     }
 
-    /// Hands a command to the service and steps until it is answered.
+    /// Passes a command to the service and steps until it is answered.
     pub fn ask(&mut self, request: u16, command: Command) -> Reply {
         let mut answer = self.receive(request, command, DecoderCounts::default());
         loop {
@@ -207,7 +207,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// The command that waited for a step.
+    /// Continues the command that waited for a step.
     pub fn go_on(&mut self) -> Option<NumberedReply> {
         if !self.waiting {
             return None;
@@ -217,7 +217,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         self.answer(asked)
     }
 
-    /// A command waits for a step.
+    /// True if a command waits for a step.
     pub fn is_waiting(&self) -> bool {
         self.waiting
     }
@@ -239,7 +239,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         }
     }
 
-    /// Where the test stands.
+    /// The mode of the test.
     pub fn mode(&self) -> Mode {
         self.station.mode()
     }

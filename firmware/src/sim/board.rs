@@ -16,8 +16,8 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 300,
 };
 
-/// What is recorded beside displacement and force: a second displacement, which a [`Faulty`](super::Faulty) board shows, and of up
-/// to three actuators the commands read back.
+/// The inputs recorded besides displacement and force: a second displacement, which a [`Faulty`](super::Faulty) board
+/// shows, and the read-back commands of up to three actuators.
 const INPUTS: [Input; 1 + MAX_ACTUATORS] = [
     Input::SecondDisplacement,
     Input::CommandReadBack(0),
@@ -37,42 +37,42 @@ pub const CLOCK: Clock = Clock {
     stopwatch_hz: 168_000_000,
 };
 
-/// Ticks of the stopwatch in one of the sampling timer.
+/// Stopwatch ticks per tick of the sampling timer.
 pub const STOPWATCH_PER_TIMER_TICK: u32 = CLOCK.stopwatch_hz / CLOCK.timer_hz;
 
-/// What stands behind the converters of a board with `A` actuators.
+/// The plant on the converters of a board with `A` actuators.
 pub trait Plant<const A: usize = 1> {
-    /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N, of each
-    /// actuator.
+    /// One control step under `command_m`; without `permit` nothing may move. Returns displacement, m, and force, N, of
+    /// each actuator.
     fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A];
 }
 
 /// A board in memory.
 pub struct SimBoard<P, const A: usize = 1> {
-    /// What stands behind the converters.
+    /// The plant on the converters.
     pub plant: P,
-    /// What the sensors and the actuators are really wired for.
+    /// The true wiring of sensors and actuators.
     pub wired: [Calibration; A],
     /// Codes of the output converters.
     pub code: [u16; A],
     /// The codes that the outputs showed when the sample was taken.
     pub shown: [u16; A],
-    /// An output converter, from 0, that stays where it is.
+    /// A stuck output converter, from 0.
     pub dead_output: Option<usize>,
     /// The PERMIT line.
     pub permit: bool,
-    /// How often the watchdog was fed.
+    /// Number of watchdog feedings.
     pub fed: u32,
     /// The task that starved.
     pub starving: Option<Heartbeat>,
-    /// Ticks of the stopwatch. A step takes none, and the next one begins a period later.
+    /// Stopwatch ticks. A step takes none, and the next one begins a period later.
     pub ticks: u32,
-    /// The period of sampling, in ticks of the stopwatch.
+    /// The sampling period, in stopwatch ticks.
     pub period_ticks: u32,
 }
 
 impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
-    /// With `plant` behind converters of the nominal ranges.
+    /// With `plant` on converters of the nominal ranges.
     pub fn new(plant: P) -> Self {
         Self {
             plant,
@@ -88,13 +88,13 @@ impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
         }
     }
 
-    /// The watchdog, fed or not, is the last of a step.
+    /// Feeding the watchdog, or not, is the last act of a step.
     fn wait_for_the_next_step(&mut self) {
         self.ticks = self.ticks.wrapping_add(self.period_ticks);
     }
 }
 
-/// The code of a sensor: two conversions of the same voltage, added.
+/// The code of a sensor: the sum of two conversions of the same voltage.
 fn code(line: ChannelCalibration, quantity: f64) -> u16 {
     let one = (quantity / f64::from(line.per_code) + f64::from(line.zero_code)) / 2.0;
     2 * one.round().clamp(0.0, f64::from(CODES.sensor_top / 2)) as u16
@@ -103,7 +103,7 @@ fn code(line: ChannelCalibration, quantity: f64) -> u16 {
 impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = INPUTS.split_at(1 + A).0;
-    // A hundredth of the range.
+    // 1 % of the range.
     const READ_BACK_OFF: u16 = 41;
     const READ_BACK_LEAST: u16 = 16;
     const INPUT_SPAN_V: [f32; 2] = [-10.0, 10.0];

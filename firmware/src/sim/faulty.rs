@@ -1,4 +1,4 @@
-//! Bad weather around any board.
+//! Defects for any board.
 
 use crate::hardware::Hardware;
 use crate::station::Heartbeat;
@@ -17,45 +17,45 @@ pub enum Wire {
     Force,
 }
 
-/// What is broken.
+/// The defects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Broken {
     /// An actuator's sensors show these codes, whatever moves.
     pub codes: Option<[u16; 2]>,
-    /// Which actuator's, from 0.
+    /// That actuator, from 0.
     pub actuator: usize,
-    /// Two actuators, from 0, that have each other's wire.
+    /// Two actuators, from 0, whose wires are swapped.
     pub exchanged: Option<(Wire, [usize; 2])>,
-    /// The converter gives nothing new.
+    /// The converter returns nothing new.
     pub no_sample: bool,
     /// The emergency stop is pressed.
     pub stop_pressed: bool,
     /// The hold button is pressed.
     pub hold_pressed: bool,
-    /// The contact of the permission's chain stands like this.
+    /// The contact of the permission's chain is in this state.
     pub chain: Option<bool>,
-    /// The output converter has lost its set-up.
+    /// The output converter has lost its setup.
     pub output_lost: bool,
-    /// The second displacement reads so many codes more than the first.
+    /// The second displacement reads this many codes more than the first.
     pub second_displacement_off: u16,
     /// The load cells show this code.
     pub dead_force: Option<u16>,
-    /// Steps begin later than they can.
+    /// Steps begin later than possible.
     pub begins_late: bool,
 }
 
-/// A board with something broken.
+/// A board with defects.
 pub struct Faulty<H> {
     /// The board.
     pub board: H,
-    /// What is broken in it.
+    /// Its defects.
     pub broken: Broken,
     /// The code of the first displacement in the last sample.
     first_displacement: u16,
 }
 
 impl<H> Faulty<H> {
-    /// Nothing is broken yet.
+    /// Without defects yet.
     pub fn new(board: H) -> Self {
         Self {
             board,
@@ -100,9 +100,9 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
         let mut inputs = self.board.inputs();
-        // The wires are exchanged behind where the commands are read back.
+        // The wires are swapped after the point where the commands are read back.
         if let Some((Wire::Command, [one, other])) = self.broken.exchanged {
-            // Behind the second displacement.
+            // After the second displacement.
             inputs.swap(1 + one, 1 + other);
         }
         for (place, input) in inputs.iter_mut().zip(H::INPUTS) {

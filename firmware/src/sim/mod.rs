@@ -1,5 +1,5 @@
-//! The board that the tests on this machine share: station and service as on the metal, a plant behind converters of 12
-//! bits, and what can go wrong as a wrapper around any board.
+//! The board shared by the tests on the PC: station and service as on hardware, a plant on 12-bit converters, and
+//! faults as a wrapper around any board.
 
 mod bench;
 mod board;

@@ -1,4 +1,4 @@
-//! The outer loop for the number of degrees of freedom and the rig that a test has.
+//! The outer loop for a test's rig and number of degrees of freedom.
 
 use super::rehearsal::rehearse;
 use link::command::BoardTest;
@@ -6,12 +6,12 @@ use link::command::BoardTest;
 use outerloop_core::coupled::{CoupledRig, CoupledSettings};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
-/// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
+/// The most degrees of freedom of a test on a board: those with an actuator, and calculated ones.
 pub const MAX_DOF: usize = 3;
 
 /// An outer loop.
 #[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant)] // There is no heap, and a test of one storey leaves the room of the others unused.
+#[allow(clippy::large_enum_variant)] // There is no heap; a test of one storey wastes the other variants' space.
 pub enum AnyLoop {
     /// One degree of freedom.
     One(OuterLoop<1>),
@@ -19,12 +19,12 @@ pub enum AnyLoop {
     Two(OuterLoop<2>),
     /// Three.
     Three(OuterLoop<3>),
-    /// x and rotation of a coupler that two actuators hold. Only images with as many actuators have it.
+    /// x and rotation of a coupler held by two actuators. Only images with that many actuators have it.
     #[cfg(coupled)]
     Coupled(OuterLoop<2, CoupledRig>),
 }
 
-/// By itself: what it is worked out with must not lie on the stack beside the loop that is made of it.
+/// Separate, so that its construction data are not on the stack beside the finished loop.
 #[cfg(coupled)]
 #[inline(never)]
 fn coupled_design(
@@ -34,7 +34,7 @@ fn coupled_design(
     Design::coupled(config, coupled)
 }
 
-/// Does `$body` with the loop, of whatever size.
+/// Evaluates `$body` with the loop, whatever its size.
 macro_rules! each_loop {
     ($any:expr, $outer:ident => $body:expr) => {
         match $any {
@@ -63,7 +63,7 @@ impl AnyLoop {
         }
     }
 
-    /// The loop of another test in the place of this one, which stays where the test is refused.
+    /// Replaces this loop by that of another test; it stays if the test is refused.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
@@ -94,7 +94,7 @@ impl AnyLoop {
         Ok(())
     }
 
-    /// Not inlined: a loop is a sixth of the stack, and what it passes through must not add up.
+    /// Not inlined: a loop is a sixth of the stack, and its temporaries must not add up.
     #[inline(never)]
     fn put<const N: usize>(
         &mut self,
@@ -114,23 +114,23 @@ impl AnyLoop {
         Ok(wrap(OuterLoop::new(Design::new(config)?)))
     }
 
-    /// Takes an event.
+    /// Handles an event.
     ///
     /// # Errors
-    /// As [`OuterLoop::handle`].
-    #[inline(never)] // Inlined for every number of floors, the stack would hold what each of them needs.
+    /// See [`OuterLoop::handle`].
+    #[inline(never)] // Inlined for every number of floors, the stack would hold the needs of each.
     pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
         each_loop!(self, outer => outer.handle(event))
     }
 
-    /// What stands against arming this loop stands against arming the one that takes its place, which counts its tests on.
+    /// An obstacle to arming this loop also obstructs the one that replaces it, which continues its count of tests.
     pub fn make_way_for(&self, next: &mut Self) {
         let (obstacle, last_test) =
             each_loop!(self, outer => (outer.obstacle(), outer.last_test()));
         each_loop!(next, outer => outer.take_over(obstacle, last_test));
     }
 
-    /// Takes the targets of the next test from the PC, or from the loop's own integration.
+    /// Takes the next test's targets from the PC, or from the loop's own integration.
     pub fn set_pace(&mut self, pace: Option<Pace>) {
         each_loop!(self, outer => outer.set_pace(pace));
     }
@@ -140,12 +140,12 @@ impl AnyLoop {
         each_loop!(self, outer => outer.set_next_target(on_axes(target_m)));
     }
 
-    /// Has the tests to come watched; `corrects`: command and reading may be corrected.
+    /// Turns on the watch of coming tests; `corrects`: command and reading may be corrected.
     pub fn watch(&mut self, corrects: bool) {
         each_loop!(self, outer => outer.watch(corrects));
     }
 
-    /// Where the test stands.
+    /// The mode of the test.
     pub fn mode(&self) -> Mode {
         each_loop!(self, outer => outer.mode())
     }
@@ -164,8 +164,7 @@ impl AnyLoop {
         });
     }
 
-    /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was
-    /// built.
+    /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as built.
     #[inline(never)]
     pub fn rehearse(&mut self, now: fn() -> u32) -> u32 {
         each_loop!(self, outer => rehearse(outer, now))
@@ -192,7 +191,7 @@ fn too_many(floors: usize) -> Refusal {
     }
 }
 
-/// Of an image that has no loop for two coupled actuators.
+/// For an image that has no loop for two coupled actuators.
 pub(super) fn not_coupled() -> Refusal {
     Refusal {
         name: "coupled",

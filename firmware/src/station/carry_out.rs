@@ -1,4 +1,4 @@
-//! Orders from the tasks, carried out in the control interrupt, one a period.
+//! Orders from the tasks, carried out in the control interrupt, one per period.
 
 use super::order::{LoopStatus, Order, RefusedOrder, Returned};
 use super::period::{Output, Station};
@@ -23,14 +23,14 @@ impl<const A: usize> Station<A> {
             }
             Order::History(index) => {
                 let mut words = heapless::Vec::new();
-                // There is room for a record of every size of loop.
+                // There is room for a record of any size of loop.
                 self.setup.outer.history(usize::from(index), |word| {
                     let _ = words.push(word);
                 });
                 Ok(Returned::Record(words))
             }
             Order::Target(target_m) => {
-                // Without effect where the loop integrates by itself; what is not a number never moves anything.
+                // No effect if the loop integrates by itself; a non-finite number never moves anything.
                 if target_m.iter().all(|m| m.is_finite()) {
                     self.setup.outer.set_next_target(&target_m);
                 }
@@ -49,7 +49,7 @@ impl<const A: usize> Station<A> {
             }
             Order::Unload => {
                 self.points_are_commands = false;
-                // It would play what comes in their place.
+                // It would play whatever replaces them.
                 self.signal.take_if(|signal| signal.plays_points());
                 Ok(Returned::Motion(self.motion.take()))
             }
@@ -103,7 +103,7 @@ impl<const A: usize> Station<A> {
                 obstacle: Some(Fault::Output),
             }));
         }
-        // A commissioning signal takes no force; one that is held goes on under its own.
+        // A commissioning signal may start under any force; a held one resumes under its own.
         if event == Event::Start && self.mode() == Mode::Armed && self.signal.is_none() {
             let strained = self.sensors.strained(&self.setup.sensors);
             if let Some(force_n) = strained {

@@ -1,26 +1,26 @@
-//! The chain behind the PERMIT line: relays and valves whose contact is read back, and has to follow.
+//! The chain after the PERMIT line: relays and valves whose contact is read back, and must follow.
 
-/// Time within which the contact has to follow the line, s: relays take some tens of milliseconds.
+/// Time within which the contact must follow the line, s: relays take some tens of milliseconds.
 pub const CHAIN_TIMEOUT_S: f64 = 0.1;
 
-/// Time for which a contact that was closed may be open while PERMIT is high, s: what hangs on it has no permission meanwhile,
-/// falls behind, and must not be let go again.
+/// Time for which a closed contact may open while PERMIT is high, s: meanwhile the device has no permission, falls
+/// behind, and must not be released again.
 pub const CHAIN_OPEN_S: f64 = 0.003;
 
-/// A step with a contact that has opened takes so many with a closed one to be forgotten: one that chatters makes the actuator late,
-/// and a test swings up by that.
+/// Each step with an opened contact takes this many closed ones to be forgotten: a chattering contact makes the
+/// actuator late, which makes a test unstable.
 const OPEN_WEIGHT: u32 = 4;
 
-/// For how long line and contact have disagreed.
+/// How long line and contact have disagreed.
 #[derive(Clone, Copy, Debug)]
 pub struct ChainWatch {
     steps: u32,
-    /// The contact has closed since PERMIT is high.
+    /// True if the contact has closed since PERMIT went high.
     was_closed: bool,
 }
 
 impl ChainWatch {
-    /// They agree.
+    /// In agreement.
     pub const fn new() -> Self {
         Self {
             steps: 0,
@@ -28,8 +28,8 @@ impl ChainWatch {
         }
     }
 
-    /// Takes in a step; returns whether the contact has disagreed for more than `timeout_steps`: a relay that does not close, one whose
-    /// contacts are welded, or a wire that is broken or shorted; and one that opens by itself, for more than
+    /// Adds a step; returns whether the contact has disagreed for more than `timeout_steps`: a relay that does not
+    /// close, welded contacts, or a wire that is broken or shorted; or whether it has opened by itself, for more than
     /// `open_steps`.
     #[inline]
     pub fn disagrees(

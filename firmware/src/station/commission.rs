@@ -1,8 +1,8 @@
-//! Commissioning signals: constant, sine and chirp around zero, to measure the actuator with, and points that the PC has
-//! sent.
+//! Commissioning signals, to measure the actuator with: constant, sine and chirp around zero, and points sent by the
+//! PC.
 //!
-//! micromath's sine is off by less than 1.2e-3 of the amplitude (the test below measures it): enough here, since what was
-//! commanded is in the record. The control path has libm instead.
+//! micromath's sine is off by less than 1.2e-3 of the amplitude (the test below measures it): good enough here, since
+//! the record has the actual command. The control path uses libm instead.
 
 use core::num::NonZeroU32;
 use link::command::{CommissioningSignal, SignalShape};
@@ -20,7 +20,7 @@ const LONGEST_S: f32 = 600.0;
 pub struct Generator {
     signal: CommissioningSignal,
     step_s: f32,
-    /// Control steps from one integration step to the next, over which uploaded points are laid.
+    /// Control steps per integration step, onto which uploaded points are mapped.
     substeps: NonZeroU32,
     step: u32,
     steps: u32,
@@ -29,7 +29,7 @@ pub struct Generator {
 }
 
 impl Generator {
-    /// Checks the signal against the test's rate and limits. `uploaded_m` is the largest of the points that were sent.
+    /// Checks the signal against the test's rate and limits. `uploaded_m` is the largest uploaded point.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
@@ -97,12 +97,12 @@ impl Generator {
         usize::from(self.signal.actuator)
     }
 
-    /// True if it goes through the points that were sent.
+    /// True if it plays the uploaded points.
     pub fn plays_points(&self) -> bool {
         self.signal.shape == SignalShape::Points
     }
 
-    /// The next command, m; `None` after the end, where the command is zero. `points` are those that were sent.
+    /// The next command, m; `None` after the end, where the command is zero. `points` are the uploaded ones.
     pub fn next_m(&mut self, points: &GroundMotion<'_>) -> Option<f32> {
         if self.step > self.steps {
             return None;
@@ -139,7 +139,7 @@ impl Generator {
     }
 }
 
-/// From 0 to 1 in [`RAMP_S`], its slope zero at both ends.
+/// From 0 to 1 in [`RAMP_S`], with zero slope at both ends.
 fn ramp(t_s: f32) -> f32 {
     let x = (t_s / RAMP_S).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -225,7 +225,7 @@ mod tests {
             (19..=20).contains(&crossings),
             "20 periods; the first begins at zero"
         );
-        // No step is larger than the sine's largest slope and the ramp's together.
+        // No step exceeds the sum of the sine's and the ramp's largest slopes.
         let bound = 0.01 * (core::f32::consts::TAU * 2.0 + 1.5 / RAMP_S) / 2000.0 + 3e-5;
         assert!(sine.windows(2).all(|w| (w[1] - w[0]).abs() < bound));
 

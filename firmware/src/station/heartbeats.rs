@@ -1,13 +1,12 @@
-//! Heartbeats of the tasks and of the PC: without them the watchdog is not fed.
+//! Heartbeats of the tasks and of the PC: without the tasks' the watchdog is not fed.
 //!
-//! The control interrupt feeds the hardware watchdog, and only while every task has run within
-//! [`TASK_TIMEOUT_S`]. So the watchdog resets the board when the interrupt stops, when a task starves, and when the program hangs
-//! with interrupts off.
+//! The control interrupt feeds the hardware watchdog, and only if every task has run within [`TASK_TIMEOUT_S`]. So the
+//! watchdog resets the board if the interrupt stops, a task starves, or the program hangs with interrupts off.
 
 use super::chain::{CHAIN_OPEN_S, CHAIN_TIMEOUT_S};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// Whose heartbeat it is.
+/// The source of a heartbeat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heartbeat {
     /// The task that receives commands.
@@ -18,27 +17,27 @@ pub enum Heartbeat {
     Pc,
 }
 
-/// Time within which a task must have run, s. The tasks run every millisecond.
+/// Time within which a task must have run, s. The tasks show signs of life every 10 ms or more often.
 pub const TASK_TIMEOUT_S: f64 = 0.1;
 
-/// Time within which a frame must have come from the PC while the actuator may move, s. The PC asks for the status every 0.1 s.
+/// Time within which a PC frame must come while the actuator may move, s. The PC asks for the status every 0.1 s.
 pub const PC_TIMEOUT_S: f64 = 0.5;
 
-/// Times without a heartbeat that are accepted, in control steps.
+/// Longest accepted times without a heartbeat, in control steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timeouts {
-    /// Of a task.
+    /// For a task.
     pub task_steps: u32,
-    /// Of the PC.
+    /// For the PC.
     pub pc_steps: u32,
-    /// For the contact behind PERMIT to follow the line.
+    /// For the contact of PERMIT's chain to follow the line.
     pub chain_steps: u32,
-    /// For that contact to be open after it has closed.
+    /// For that contact to open after it has closed.
     pub open_steps: u32,
 }
 
 impl Timeouts {
-    /// At a control rate.
+    /// At a given control rate.
     pub const fn at(rate_hz: f64) -> Self {
         Self {
             task_steps: (TASK_TIMEOUT_S * rate_hz) as u32,
@@ -57,7 +56,7 @@ pub struct Heartbeats {
 }
 
 impl Heartbeats {
-    /// At step 0, with a heartbeat of each.
+    /// At step 0, with one heartbeat of each.
     pub const fn new() -> Self {
         Self {
             tick: AtomicU32::new(0),
@@ -65,12 +64,12 @@ impl Heartbeats {
         }
     }
 
-    /// A heartbeat, now.
+    /// Records a heartbeat at the present step.
     pub fn beat(&self, of: Heartbeat) {
         self.last[of as usize].store(self.tick.load(Relaxed), Relaxed);
     }
 
-    /// The control interrupt has come to step `tick`.
+    /// Notes that the control interrupt has reached step `tick`.
     pub fn advance(&self, tick: u32) {
         self.tick.store(tick, Relaxed);
     }
@@ -86,14 +85,14 @@ impl Heartbeats {
         tick.wrapping_sub(self.last[of as usize].load(Relaxed))
     }
 
-    /// The task that has starved, if one has.
+    /// The task that has starved, if any.
     pub fn starved(&self, timeouts: Timeouts) -> Option<Heartbeat> {
         [Heartbeat::Listen, Heartbeat::Report]
             .into_iter()
             .find(|&task| self.steps_since(task) > timeouts.task_steps)
     }
 
-    /// Nothing has come from the PC for too long.
+    /// True if nothing has come from the PC for too long.
     pub fn pc_is_lost(&self, timeouts: Timeouts) -> bool {
         self.steps_since(Heartbeat::Pc) > timeouts.pc_steps
     }

@@ -1,4 +1,4 @@
-//! What runs on every board around the outer loop, without a pin or a register: it is tested on this machine.
+//! Everything that runs on every board around the outer loop, without a pin or a register: it is tested on the PC.
 //!
 //! ```text
 //!  control interrupt   period: sample ─► step ─► command ─► report; then one order (carry_out)
@@ -6,8 +6,8 @@
 //!  tasks               service: command ─► order … outcome ─► reply; watchers: block ─► answer
 //! ```
 //!
-//! The interrupt and the tasks share nothing but four queues that never wait and a few counters ([`Heartbeats`], [`Judged`]). Large
-//! things (a new test, the ground motion) change hands as references, so an order costs the interrupt next to nothing.
+//! Interrupt and tasks share only four queues that never wait and a few counters ([`Heartbeats`], [`Judged`]). Large
+//! objects (a new test, the ground motion) change hands as references: an order costs the interrupt next to nothing.
 
 mod any_loop;
 mod carry_out;

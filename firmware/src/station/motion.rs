@@ -1,6 +1,6 @@
-//! The ground motion's memory, which is either written by the service or read by the loop, never both.
+//! The ground motion's memory, either written by the service or read by the loop, never both.
 //!
-//! 64 KiB are too much to have twice. Whoever holds a [`Writable`] may write; whoever holds a [`Loaded`] may read; each
+//! 64 KiB are too much to have twice. The holder of a [`Writable`] may write, the holder of a [`Loaded`] may read; each
 //! turns into the other, and there is only one.
 
 use super::twice::Twice;
@@ -11,17 +11,17 @@ use outerloop_core::GroundMotion;
 /// The memory.
 pub struct Points(UnsafeCell<[f32; MAX_POINTS]>);
 
-// SAFETY: the memory is reached only through the one `Writable` or `Loaded` that `Points::claim` gave out, and those
+// SAFETY: the memory is accessed only through the one `Writable` or `Loaded` that came from `Points::claim`, and those
 // follow the borrow rules.
 unsafe impl Sync for Points {}
 
 impl Points {
-    /// Memory that nobody has claimed.
+    /// Unclaimed memory.
     pub const fn new() -> Self {
         Self(UnsafeCell::new([0.0; MAX_POINTS]))
     }
 
-    /// Claims the memory, for good.
+    /// Claims the memory, permanently.
     pub fn claim(&'static mut self) -> Writable {
         Writable(self)
     }
@@ -46,10 +46,10 @@ impl Writable {
     /// The first `count` points as a ground motion.
     ///
     /// # Errors
-    /// There are not so many points, or the times cannot be laid out; the right to write comes back.
+    /// There are too few points, or the times cannot be mapped; returns the right to write.
     pub fn load(self, count: usize, interval_s: f64, model_step_s: f64) -> Result<Loaded, Self> {
-        // SAFETY: as above; nobody writes until `Loaded::unload` gives the right to write back, and the reference
-        // leaves `Loaded` only with its lifetime.
+        // SAFETY: as above; nobody writes until `Loaded::unload` returns the right to write, and the reference leaves
+        // `Loaded` only with its lifetime.
         let points: &'static [f32; MAX_POINTS] = unsafe { &*self.0.0.get() };
         let motion = points
             .get(..count)
@@ -66,7 +66,7 @@ impl Writable {
     }
 }
 
-/// A ground motion as it is laid over the steps.
+/// A ground motion mapped onto the steps.
 #[derive(Clone, Copy)]
 struct Laid(GroundMotion<'static>);
 
@@ -76,7 +76,7 @@ impl PartialEq for Laid {
     }
 }
 
-/// The right to read a whole ground motion. How it is laid over the steps is kept twice: one bit of its pace is another earthquake.
+/// The right to read a whole ground motion. Its mapping is kept twice: one wrong bit of its pace is another earthquake.
 pub struct Loaded {
     memory: &'static Points,
     motion: Twice<Laid>,
@@ -90,12 +90,12 @@ impl Loaded {
         &self.motion.first().0
     }
 
-    /// Both copies say the same of it.
+    /// True if both copies agree.
     pub fn is_remembered(&self) -> bool {
         self.motion.agreed().is_some()
     }
 
-    /// One of the copies is wrong: by it there is no ground motion.
+    /// Corrupts one of the copies: it then describes no ground motion.
     #[cfg(not(target_os = "none"))]
     pub fn spoil(&mut self, copy: usize) {
         if let Some(laid) = self.motion.both().get_mut(copy) {
@@ -113,7 +113,7 @@ impl Loaded {
         self.interval_s
     }
 
-    /// Gives up reading for writing.
+    /// Exchanges the right to read for the right to write.
     pub fn unload(self) -> Writable {
         Writable(self.memory)
     }

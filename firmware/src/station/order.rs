@@ -1,4 +1,4 @@
-//! What the tasks ask of the control interrupt, and what comes back.
+//! The tasks' orders to the control interrupt, and its results.
 
 use super::motion::Loaded;
 use super::setup::Setup;
@@ -10,28 +10,28 @@ use link::reply::MAX_RECORD;
 use link::status::Timing;
 use outerloop_core::{Event, Mode, Pace, Rejected, Trip};
 
-/// One for each actuator of a board.
+/// A value for each actuator of a board.
 pub type PerActuator<T> = Vec<T, MAX_ACTUATORS>;
 
-/// An order. The interrupt takes one a step, after the command has gone out.
+/// An order. The interrupt takes one per step, after the command has gone out.
 pub enum Order {
     /// From the operator.
     Event(Event),
-    /// Another test in place of the present one; while idle.
+    /// Replaces the present test by another; while idle.
     Exchange(&'static mut Setup),
-    /// The ground motion is wanted back; while idle.
+    /// Returns the ground motion; while idle.
     Unload,
     /// A ground motion; while idle.
     Load(Loaded),
-    /// What the next start runs: a commissioning signal, or the test; while idle.
+    /// The next start runs a commissioning signal, or the test; while idle.
     Signal(Option<Generator>),
-    /// Other lines for the channels of an actuator, from 0; while idle.
+    /// New calibration lines for the channels of an actuator, from 0; while idle.
     Calibrate(u8, Calibration),
-    /// Where the targets come from; while idle.
+    /// The source of the targets; while idle.
     Pace(Option<Pace>),
     /// The next target of each actuator from the PC, m.
     Target(PerActuator<f32>),
-    /// The tests to come are watched, and may be corrected or not; while idle.
+    /// Coming tests are watched, and may be corrected or not; while idle.
     Watch(bool),
     /// A record of the steps before a fault.
     History(u8),
@@ -39,41 +39,41 @@ pub enum Order {
     LoopStatus,
 }
 
-/// What became of an order.
+/// The result of an order.
 pub struct Outcome {
-    /// The first control step with it in force.
+    /// The first control step for which it was in force.
     pub tick: u32,
     /// The mode now.
     pub mode: Mode,
-    /// What comes back, or why nothing was done.
+    /// What is returned, or why nothing was done.
     pub result: Result<Returned, RefusedOrder>,
 }
 
-/// What comes back.
+/// What an order returns.
 pub enum Returned {
     /// Done.
     Nothing,
-    /// The test that was in force before, to be filled anew, and the ground motion, whose steps were the old test's.
+    /// The previous test, for reuse, and the ground motion, whose mapping was for the old test.
     Setup(&'static mut Setup, Option<Loaded>),
     /// The ground motion, if there was one.
     Motion(Option<Loaded>),
     /// A record.
     Record(Vec<u32, MAX_RECORD>),
-    /// How the interrupt is.
+    /// The state of the interrupt.
     LoopStatus(LoopStatus),
 }
 
-/// Nothing was done; what was given comes back.
+/// Nothing was done; returns what was passed in.
 pub enum RefusedOrder {
-    /// The event means nothing now, or an interlock stands against it.
+    /// The event is invalid now, or an interlock forbids it.
     Event(Rejected),
     /// There is no test.
     NotConfigured,
     /// There is nothing to run.
     NothingToRun,
-    /// The loop integrates, and no energy error stops it.
+    /// The loop integrates, but no energy error would stop it.
     NoEnergyTrip,
-    /// A test begins at rest, and an actuator stands under this force, N.
+    /// A test starts at rest, but an actuator bears this force, N.
     Strained(f32),
     /// The hold button is pressed.
     Held,
@@ -81,19 +81,19 @@ pub enum RefusedOrder {
     NotIdle(Option<Order>),
 }
 
-/// How the interrupt is.
+/// The state of the interrupt.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopStatus {
     /// The first fault.
     pub trip: Option<Trip>,
     /// The PERMIT line.
     pub permit: bool,
-    /// A test has been accepted.
+    /// True if a test has been accepted.
     pub configured: bool,
     /// Points of the loaded ground motion.
     pub points: u32,
     /// Times.
     pub timing: Timing,
-    /// Reports that found the queue full.
+    /// Reports lost to a full queue.
     pub dropped_steps: u32,
 }

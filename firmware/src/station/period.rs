@@ -1,4 +1,4 @@
-//! The control period: what the control interrupt does, without its registers.
+//! The control period: the control interrupt's work, without its registers.
 
 use super::any_loop::{each_loop, on_one_axis};
 use super::chain::ChainWatch;
@@ -19,8 +19,7 @@ use link::channel::{Calibration, ErrorFeedback};
 use link::telemetry::StepReport;
 use outerloop_core::{Event, Fault, GroundMotion, Mode, Sample};
 
-/// The converters are asked whether they are set up in every step with none of these bits in its number: every 0.13 s at
-/// 2 kHz.
+/// The converters' setup is checked in every step whose number has none of these bits: every 0.13 s at 2 kHz.
 const ASKED_EVERY_STEPS: u32 = 0xff;
 
 /// A step's report with its number.
@@ -28,23 +27,23 @@ const ASKED_EVERY_STEPS: u32 = 0xff;
 pub struct Report {
     /// Control step since power-up.
     pub tick: u32,
-    /// What happened in it.
+    /// The events of that step.
     pub step: StepReport,
     /// For the rig watch.
     pub watched: Watched,
 }
 
-/// Reports on their way: more than come while the tasks send the longest frame.
+/// Reports in transit: more than arrive while the tasks send the longest frame.
 pub type ReportQueue = Queue<Report, 128>;
 
-/// What the interrupt owns on a board with `A` actuators.
+/// The interrupt's state on a board with `A` actuators.
 pub struct Station<const A: usize = 1> {
     pub(super) setup: &'static mut Setup,
     pub(crate) motion: Option<Loaded>,
     pub(super) signal: Option<Generator>,
-    /// The points in the memory are a commissioning signal's, and no ground motion.
+    /// True if the points in the memory are a commissioning signal's, not a ground motion's.
     pub(super) points_are_commands: bool,
-    /// The targets come from the PC.
+    /// True if the targets come from the PC.
     pub(super) targets_from_pc: bool,
     pub(crate) calibrations: Twice<[Calibration; A]>,
     pub(super) output: Output<A>,
@@ -53,19 +52,19 @@ pub struct Station<const A: usize = 1> {
     pub(super) dropped_steps: u32,
     pub(super) stopwatch_per_timer_tick: u32,
     codes: [[u16; 2]; A],
-    /// A sample has come since the start: until then nobody knows where the actuators stand, and the outputs stay where they are.
+    /// True once a sample has come: until then the actuators' positions are unknown, and the outputs stay as they are.
     sampled: bool,
     late: bool,
     /// The hold button is down.
     pub(super) held: bool,
     chain: ChainWatch,
     read_back: ReadBack<A>,
-    /// An output has shown something else than it was sent.
+    /// True if an output has shown something other than its command.
     output_differs: bool,
     pub(super) sensors: SensorWatch<A>,
-    /// What the sensors of the last sample contradict each other in.
+    /// The contradiction between the sensors of the last sample, if any.
     sensor_fault: Option<Fault>,
-    /// A converter is not set up any more.
+    /// True if a converter has lost its setup.
     pub(super) output_lost: bool,
     heartbeats: &'static Heartbeats,
     orders: Consumer<'static, Order>,
@@ -77,9 +76,9 @@ pub struct Station<const A: usize = 1> {
 /// The last outputs to the converters and the PERMIT line.
 pub(super) struct Output<const A: usize> {
     feedback: [ErrorFeedback; A],
-    /// The codes that were sent last; none before the first, and where the last command could not be shown.
+    /// The last codes sent; `None` before the first, and if the last command could not be shown.
     sent: [Option<u16>; A],
-    /// The last command of one of them could not be shown.
+    /// True if the last command of one of them could not be shown.
     pub(super) out_of_range: bool,
     pub(super) permission: Permission,
 }
@@ -99,11 +98,11 @@ impl<const A: usize> Output<A> {
 pub struct QueueEnds {
     /// Orders to it.
     pub orders: Consumer<'static, Order>,
-    /// What became of them.
+    /// Their results.
     pub outcomes: Producer<'static, Outcome>,
     /// Reports of the steps.
     pub reports: Producer<'static, Report>,
-    /// What the rig watch has to say.
+    /// From the rig watch.
     pub watch: FromWatch<'static>,
 }
 
@@ -147,14 +146,14 @@ impl<const A: usize> Station<A> {
         }
     }
 
-    /// The control period as it was set, in ticks of the stopwatch.
+    /// The control period as set, in stopwatch ticks.
     #[inline]
     pub(super) fn period_cycles(&self) -> u32 {
         let ticks = self.setup.period_ticks;
         ticks.wrapping_mul(self.stopwatch_per_timer_tick)
     }
 
-    /// Where the test stands.
+    /// The mode of the test.
     pub fn mode(&self) -> Mode {
         self.setup.outer.mode()
     }
@@ -175,7 +174,7 @@ impl<const A: usize> Station<A> {
         let starved = self.heartbeats.starved(self.setup.timeouts);
         self.hold_by_button(hardware.hold_pressed());
 
-        // Sample. A converter that does not answer shows its last codes, and they are not fresh.
+        // Sample. If a converter does not answer, its last codes are used, and are not fresh.
         let codes = hardware.codes();
         self.codes = codes.unwrap_or(self.codes);
         let read = self.readings();
@@ -189,7 +188,7 @@ impl<const A: usize> Station<A> {
         let commissioning_m = self.commissioning_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
-        // By a number with a wrong bit nothing is sent: the outputs stay where they are.
+        // A number with a wrong bit is never sent: the outputs stay as they are.
         let known = self.sampled && remembered;
         let (calibrations, output) = (self.calibrations.first(), &mut self.output);
         let time = &mut self.setup.time;
@@ -244,7 +243,7 @@ impl<const A: usize> Station<A> {
         }
     }
 
-    /// Displacement and force of each actuator, m and N, by the last codes.
+    /// Displacement and force of each actuator, m and N, from the last codes.
     #[inline]
     fn readings(&self) -> [[f32; 2]; A] {
         core::array::from_fn(|actuator| {
@@ -257,14 +256,14 @@ impl<const A: usize> Station<A> {
         })
     }
 
-    /// What is kept twice says the same twice.
+    /// True if the copies of everything kept twice agree.
     #[inline]
     fn remembers(&self) -> bool {
         let laid = self.motion.as_ref();
         self.calibrations.agreed().is_some() && laid.is_none_or(Loaded::is_remembered)
     }
 
-    /// What the station has to report with the sample. A starved task means that nothing of the PC is received any more.
+    /// The fault to report with the sample. With a starved task nothing is received from the PC any more.
     fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,
@@ -300,16 +299,16 @@ impl<const A: usize> Station<A> {
         } else if late {
             Some(Fault::DeadlineMissed)
         } else if self.heartbeats.pc_is_lost(timeouts) {
-            // No emergency: behind all that are.
+            // Not an emergency: ranks after all that are.
             Some(Fault::LinkLost)
         } else {
             None
         }
     }
 
-    /// What the outputs show, and every so often, while nothing moves, whether the converters are still set up: one that
-    /// lost its supply for a moment is clamped to ground and takes no codes. What was lost then stays so until the board is
-    /// started again, which sets it up.
+    /// Checks what the outputs show, and every so often, while nothing moves, whether the converters are still set up:
+    /// one whose supply failed for a moment is clamped to ground and takes no codes. A lost setup stays lost until the
+    /// board is restarted, which sets it up.
     fn look_at_output<H: Hardware<A>>(&mut self, hardware: &mut H, differs: bool) {
         let idle = self.mode() == Mode::Idle;
         if idle && self.tick & ASKED_EVERY_STEPS == 0 {
@@ -318,17 +317,17 @@ impl<const A: usize> Station<A> {
         self.output_differs = differs;
     }
 
-    /// The button, when it goes down, holds a test and ends what is armed. While it is down nothing is armed or started.
+    /// Pressing the button holds a test and disarms. While it is down nothing can be armed or started.
     fn hold_by_button(&mut self, pressed: bool) {
         let was_down = core::mem::replace(&mut self.held, pressed);
         if pressed && !was_down {
             let event = match self.mode() {
                 Mode::Approaching | Mode::Armed => Event::Stop,
-                // A commissioning signal before its first step: there is no test to go on with.
+                // A commissioning signal before its first step: there is no test to resume.
                 Mode::Running if self.signal.is_some() => Event::Stop,
                 _ => Event::Hold,
             };
-            // Where nothing is to be held it means nothing.
+            // If there is nothing to hold it has no effect.
             let _ = self.event(event);
         }
     }
@@ -343,7 +342,7 @@ impl<const A: usize> Station<A> {
         let points = self.motion.as_ref().map_or(&nothing, Loaded::motion);
         let next_m = signal.next_m(points);
         if next_m.is_none() {
-            // Both know Finish: it cannot be refused.
+            // Both modes know Finish: it cannot be refused.
             let _ = self.setup.outer.handle(Event::Finish);
         }
         next_m
@@ -363,14 +362,14 @@ impl<const A: usize> Station<A> {
             mode: self.mode(),
             result,
         };
-        // There is room: nobody else puts anything in.
+        // There is room: nobody else adds anything.
         let _ = self.outcomes.enqueue(outcome);
     }
 }
 
 impl<const A: usize> Output<A> {
-    /// Shows the actuators' commands. Permission goes before the commands and is given after them. Without commands
-    /// the outputs stay where they are.
+    /// Outputs the actuators' commands. Permission is withdrawn before the commands and given after them. Without
+    /// commands the outputs stay as they are.
     #[inline]
     fn show<H: Hardware<A>, const N: usize>(
         &mut self,
@@ -393,7 +392,7 @@ impl<const A: usize> Output<A> {
             let code = match command_m.get(actuator) {
                 Some(&command_m) if permit => feedback.code(calibration, top, command_m),
                 Some(&command_m) => feedback.code_at_standstill(calibration, top, command_m),
-                // Nothing hangs on it: it stands where it stood, and where it is read if it has had no command.
+                // Nothing is connected to it: it keeps its code or, if it had no command yet, takes the measured one.
                 None => {
                     let stood = self.sent.get(actuator).copied().flatten();
                     stood.or_else(|| feedback.code_at_standstill(calibration, top, at_m))
@@ -405,7 +404,7 @@ impl<const A: usize> Output<A> {
             if let Some(sent) = self.sent.get_mut(actuator) {
                 *sent = code;
             }
-            // Outside its range the converter stays where it is, and the test trips with the next sample.
+            // Outside its range the converter stays as it is, and the test trips with the next sample.
             self.out_of_range |= code.is_none();
         }
         if permit {
@@ -414,7 +413,7 @@ impl<const A: usize> Output<A> {
     }
 }
 
-/// The actuators stand at the first floors; the others are calculated.
+/// The actuators move the first floors; the others are calculated.
 #[inline]
 fn on_floors<const A: usize, const N: usize>(read: &[[f32; 2]; A]) -> Sample<N> {
     let mut sample = Sample::new([0.0; N], [0.0; N]);

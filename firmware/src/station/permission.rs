@@ -1,7 +1,7 @@
-//! Whether the actuators may move: the loop says so in each step, and somebody armed it since it last fell. Neither is enough alone, so
-//! that one wrong bit cannot have a permission that has fallen rise by itself.
+//! Whether the actuators may move: the loop must say so in each step, and someone must have armed it since the last
+//! fall. Neither suffices alone, so a single wrong bit cannot restore a permission that has fallen.
 
-/// The PERMIT line, as it is to be.
+/// The intended state of the PERMIT line.
 #[derive(Debug, Default)]
 pub struct Permission {
     armed: bool,
@@ -17,13 +17,13 @@ impl Permission {
         }
     }
 
-    /// An order that asks for it was carried out.
+    /// An order that requests it was carried out.
     pub fn arm(&mut self) {
         self.armed = true;
     }
 
-    /// Whether it is given, where the loop's step says that motion is permitted or not. What has fallen, or was not permitted in the
-    /// step behind the order, has to be armed again.
+    /// Whether it is given, from whether the loop's step permits motion. A permission that has fallen, or was not
+    /// permitted in the step after the order, must be armed again.
     #[inline]
     pub fn of_step(&mut self, permits: bool) -> bool {
         let given = permits && self.armed;
@@ -31,7 +31,7 @@ impl Permission {
         given
     }
 
-    /// Whether it was given in the last step.
+    /// True if it was given in the last step.
     pub fn is_given(&self) -> bool {
         self.given
     }

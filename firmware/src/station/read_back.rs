@@ -1,21 +1,21 @@
-//! The commands as they are read back where they leave the board, against those that were sent.
+//! Compares the commands read back at the board's outputs with those sent.
 
 use crate::hardware::Hardware;
 use link::telemetry::MAX_INPUTS;
 use link::{Calibration, Input};
 
-/// Steps that a command may be read back differently, one that agrees taking one off: a spike on a wire is no fault, a contact that
-/// comes and goes is.
+/// Steps with a deviating command that are tolerated, each agreeing step taking one off: a spike on a wire is no fault,
+/// an intermittent contact is.
 const TIMEOUT_STEPS: u8 = 4;
 
-/// A command that is off by more than this is so, if it is off by more than the converters' errors: over a long stroke their largest is
-/// some millimetres, m.
+/// A deviation above this counts if it also exceeds the converters' errors: over a long stroke the tolerance in codes
+/// amounts to some millimetres, m.
 const OFF_M: f32 = 5e-4;
 
-/// What the outputs have to show, and for how long one of them has not.
+/// What the outputs must show, and for how long one of them has not.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadBack<const A: usize> {
-    /// The codes of the step before, which stood at the outputs when this step's inputs were sampled.
+    /// The codes of the step before, present at the outputs when this step's inputs were sampled.
     shown: [Option<u16>; A],
     steps: u8,
 }
@@ -29,9 +29,9 @@ impl<const A: usize> ReadBack<A> {
         }
     }
 
-    /// Takes in the inputs of a step, `fresh` if they were sampled, and the codes that were sent in it; returns whether an output has shown something
-    /// else for too long, by more than [`Hardware::READ_BACK_OFF`], or by more than half a
-    /// millimetre and [`Hardware::READ_BACK_LEAST`].
+    /// Adds the inputs of a step, `fresh` if they were sampled, and the codes sent in it; returns whether an output has
+    /// been wrong for too long, by more than [`Hardware::READ_BACK_OFF`], or by more than half a millimetre and
+    /// [`Hardware::READ_BACK_LEAST`].
     #[inline]
     pub fn differs<H: Hardware<A>>(
         &mut self,
@@ -52,7 +52,7 @@ impl<const A: usize> ReadBack<A> {
             }
         }
         self.shown = sent;
-        // What no new sample shows is left to the count of stale ones.
+        // Without a new sample, the count of stale samples takes over.
         self.steps = match (fresh, off) {
             (false, _) => self.steps,
             (true, true) => self.steps.saturating_add(1),

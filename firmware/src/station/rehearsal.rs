@@ -2,21 +2,21 @@
 
 use outerloop_core::{Event, GroundMotion, OuterLoop, Rig, Sample, flag};
 
-/// Solved steps that are timed, the last of the rehearsal: caches and predictors are warm then.
+/// Solved steps that are timed, at the end of the rehearsal, when caches and predictors are warm.
 const TIMED: usize = 16;
 
-/// Steps of a rehearsal, 10 ms of them: the task that rehearses has to show signs of life.
+/// Steps of a rehearsal, 10 ms of them: the rehearsing task must show signs of life.
 const STEPS: usize = 400;
 
-/// Control steps to one that is solved, at most.
+/// Most control steps per solved step.
 const LONGEST: usize = 50;
 
-/// Runs solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was built.
+/// Runs solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as built.
 ///
-/// A step takes no less than its instructions take, and more where the control interrupt or one of the link falls into it:
-/// one in ten or so. So a quarter of the longest is left out. The longest of those that are left, and not the shortest,
-/// since steps differ by themselves: a predictor that learns, a damping that acts.
-#[inline(never)] // The stack would hold what each number of floors needs.
+/// A step takes at least the time of its instructions, and more if the control interrupt or one of the link falls into
+/// it: one in ten or so. So the longest quarter is dropped. The longest of the rest is used, not the shortest, since
+/// steps differ by themselves: a predictor that learns, a damping that acts.
+#[inline(never)] // Inlined, the stack would hold the needs of every number of floors.
 pub(super) fn rehearse<const N: usize, R: Rig<N>>(
     outer: &mut OuterLoop<N, R>,
     now: fn() -> u32,
@@ -25,12 +25,12 @@ pub(super) fn rehearse<const N: usize, R: Rig<N>>(
     start_anew(outer);
     let ticks = &mut ticks[..solved.min(TIMED)];
     ticks.sort_unstable();
-    // A test none of whose steps can be timed is none that keeps its deadline.
+    // A test without a timed step does not keep its deadline.
     let place = ticks.len().saturating_sub(1) * 3 / 4;
     ticks.get(place).copied().unwrap_or(u32::MAX)
 }
 
-/// Once, and not inlined in two places: the parts that go back stand on the stack.
+/// Only once, not inlined in two places: the parts that are put back are on the stack.
 #[inline(never)]
 fn start_anew<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     outer.restart();
@@ -45,8 +45,8 @@ fn timed<const N: usize, R: Rig<N>>(
     let rest = [0.0; 2];
     let ground = GroundMotion::new(&rest, 1.0, 0.5 / STEPS as f64);
     let ground = ground.unwrap_or(GroundMotion::none());
-    // Idle, the target is where the rig is. Where a transducer reads off, the approach from there would outlast the rehearsal:
-    // it begins where the reading means zero, found again once because of the transducer's gain.
+    // Idle, the target follows the rig. With a transducer offset the approach from there would outlast the rehearsal:
+    // it starts where the reading means zero, iterated once because of the transducer's gain.
     let mut at_m = [0.0_f32; N];
     for _ in 0..2 {
         let still = Sample::new(at_m, [0.0; N]);
@@ -57,19 +57,19 @@ fn timed<const N: usize, R: Rig<N>>(
     }
     let (mut ticks, mut solved) = ([0; TIMED], 0);
     for step in 0..STEPS {
-        // Of a test of long integration steps the start is nearly all that is solved.
+        // In a test with long integration steps nearly all the solving is at the start.
         if solved < step / LONGEST {
             start_anew(outer);
         }
-        // What stands against arming a test has to be gone for half as long as a rehearsal takes; here it has to be gone.
+        // An obstacle to arming must normally be gone for half a rehearsal; here it only has to be gone.
         if outer.obstacle().is_some_and(|(_, since)| since > 1) {
             outer.take_over(None, 0);
         }
-        // As soon as each means something; before that it is refused, and nothing has changed.
+        // As soon as each is valid; before that it is refused without effect.
         for event in [Event::Clear, Event::Arm, Event::Start] {
             let _ = outer.handle(event);
         }
-        // A motion that turns and a force that is none of its stiffness: all that a step can have to do.
+        // A motion that reverses and a force unrelated to its stiffness: everything that a step may have to handle.
         let swing = [1.0_f32, 0.5, -0.5, -1.0][step / 8 % 4];
         at_m = at_m.map(|at_m| at_m + 1e-6 * swing);
         let sample = Sample::new(at_m, [10.0 * swing; N]);
@@ -90,7 +90,7 @@ mod tests {
     use core::sync::atomic::{AtomicU32, Ordering};
     use outerloop_core::{Config, Design, Method, Mode, Prediction};
 
-    /// A step takes 100 ticks; into one in seven an interrupt falls.
+    /// A step takes 100 ticks; one in seven is interrupted.
     fn now() -> u32 {
         static CALLS: AtomicU32 = AtomicU32::new(0);
         let call = CALLS.fetch_add(1, Ordering::Relaxed);

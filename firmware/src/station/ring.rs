@@ -1,16 +1,16 @@
-//! Slots in flash: each saving takes the next, and the one with the largest sequence number counts.
+//! Slots in flash: each saving takes the next, and the largest sequence number counts.
 //!
-//! There are two sectors. When one is full the other is erased and goes on, so the last good record is never the one that
-//! is erased: power that fails at any moment costs no more than the saving during which it failed.
+//! There are two sectors. When one is full, the other is erased and used next, so the last good record is never the one
+//! being erased: a power failure at any moment costs at most the saving in progress.
 
 use super::settings::{FlashRecord, MARK, NUMBERED};
 
-/// Flash as the slots see it.
+/// Flash as seen by the slots.
 pub trait Flash {
     /// Reads from `offset` on.
     fn read(&self, offset: u32, bytes: &mut [u8]);
 
-    /// Writes at `offset`; what is written has been erased.
+    /// Writes at `offset`, which must be erased.
     fn write(&mut self, offset: u32, bytes: &[u8]) -> impl Future<Output = bool>;
 
     /// Erases the sector that begins at `offset`.
@@ -20,24 +20,24 @@ pub trait Flash {
 /// Two sectors of slots of `BYTES`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring<const BYTES: usize> {
-    /// Where the sectors begin.
+    /// Start of each sector.
     pub sectors: [u32; 2],
     /// Their length.
     pub sector_bytes: u32,
-    /// Distance of two slots, at least `BYTES`.
+    /// Spacing of the slots, at least `BYTES`.
     pub slot_bytes: u32,
 }
 
 impl<const BYTES: usize> Ring<BYTES> {
-    /// What was saved last; nothing where that was whole once and is not any more: what was in force before it is another.
+    /// The last saved record; `None` if it was whole once but is damaged: an older one must not take its place.
     pub fn load<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
         let (slot, sequence, kept) = self.newest(flash)?;
         let is_last = !T::MARKED || !self.has_lost::<T>(flash, (slot, sequence));
         is_last.then_some(kept)
     }
 
-    /// Behind the record in `slot` there was another one, whole, that does not add up any more: in its sector, or the first of the other
-    /// one by its number.
+    /// True if the record in `slot` was followed by another whole one that is now damaged: in its sector, or as the
+    /// first of the other one, by its number.
     fn has_lost<T: FlashRecord<BYTES>>(
         &self,
         flash: &impl Flash,
@@ -67,7 +67,7 @@ impl<const BYTES: usize> Ring<BYTES> {
         })
     }
 
-    /// Saves `kept` in the next slot; returns whether it reads back as it was written.
+    /// Saves `kept` in the next slot; returns whether it reads back as written.
     pub async fn save<T: FlashRecord<BYTES>>(&self, flash: &mut impl Flash, kept: &T) -> bool {
         let last = self.newest::<T>(flash);
         let sequence = last
@@ -103,9 +103,9 @@ impl<const BYTES: usize> Ring<BYTES> {
         written
     }
 
-    /// The last of a sector first, and no other one whole that is older: the check sums of a full sector keep the tasks for longer
-    /// than reports of the steps can wait.
-    #[inline(never)] // An image has it once, to load and to save.
+    /// Starts at a sector's end, and reads no older record in full: checking a full sector's sums would keep the tasks
+    /// longer than step reports can wait.
+    #[inline(never)] // Only one copy in an image, for load and save.
     fn newest<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
         let mut newest: Option<(u32, u32, T)> = None;
         for slot in self
@@ -153,7 +153,7 @@ mod tests {
     use core::task::{Context, Poll, Waker};
     use link::Calibration;
 
-    /// Flash whose power fails after some words have been written or erased; bits only fall, until they are erased.
+    /// Flash whose power fails after some words have been written or erased; bits only fall until erased.
     #[derive(Clone)]
     struct Array {
         bytes: Vec<u8>,
@@ -236,7 +236,7 @@ mod tests {
         }
         flash.bytes_read.set(0);
         assert_eq!(RING.load(&flash), Some(wiring(7)));
-        // The first slot of the other sector would hold a record behind it.
+        // The first slot of the other sector could hold a later record.
         assert_eq!(flash.bytes_read.get(), 17 * NUMBERED + CALIBRATION_BYTES);
     }
 
@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// A bit of the record in force turns over: nobody has calibrated the board then, until somebody does.
+    /// A bit of the record in force flips: the board then counts as uncalibrated until someone calibrates it.
     #[test]
     fn a_record_that_was_whole_and_is_damaged_has_no_older_one_take_its_place() {
         let mut flash = blank();
@@ -265,7 +265,7 @@ mod tests {
                 let mut damaged = flash.clone();
                 damaged.bytes[slot + bit / 8] ^= 1 << (bit % 8);
                 let kept = RING.load::<Wiring>(&damaged);
-                // Of a sector that has just begun the number alone says that it is newer.
+                // If a sector has just begun, only the number says that it is newer.
                 let is_known = bit >= NUMBERED * 8 || !slot.is_multiple_of(512);
                 let older = number.checked_sub(1).map(|n| wiring(n as u16));
                 assert!(
@@ -288,7 +288,7 @@ mod tests {
     fn power_that_fails_at_any_word_leaves_the_old_one_or_the_new_and_the_next_saving_works() {
         let mut flash = blank();
         for number in 0..40 {
-            // A saving with an erasure takes 128 + 16 words at most.
+            // A saving with an erasure takes at most 128 + 16 words.
             for words in 0..150 {
                 let mut cut = flash.clone();
                 cut.words_left = words;

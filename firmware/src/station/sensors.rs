@@ -1,4 +1,4 @@
-//! Sensors that contradict each other: two transducers of one displacement, and a force that stands while the specimen moves.
+//! Contradictory sensors: two transducers of one displacement, and a constant force while the specimen moves.
 
 use crate::hardware::Hardware;
 use link::command::BoardTest;
@@ -7,55 +7,55 @@ use link::{Input, MAX_ACTUATORS};
 use outerloop_core::Fault;
 use outerloop_core::coupled::CoupledSettings;
 
-/// Steps that are no fault, one without taking one off: a spike on a wire.
+/// Tolerated faulty steps, each sound step taking one off: a spike on a wire is no fault.
 const TIMEOUT_STEPS: u8 = 4;
 
-/// A force within this share of what the declared stiffness makes of the motion is none, and what a dead cell's amplifier may add.
+/// A force within this fraction of declared stiffness times motion is none: a dead cell's amplifier may produce it.
 const NO_FORCE_SHARE: f64 = 0.02;
 
-/// Standard deviations of the declared noise by which a dead load cell may leave that, as long as they are no more than a share of the
-/// same force: a specimen that has yielded is not without a force for most of its motion.
+/// Standard deviations of the declared noise by which a dead load cell may exceed that, up to a fraction of the same
+/// force: a yielded specimen has a force for most of its motion.
 const DEVIATIONS: f64 = 6.0;
 const NOISE_SHARE: f64 = 1.0 / 32.0;
 
-/// Noise of more than this share of the same force takes a sound specimen's force through zero at places that lie far apart.
+/// With noise above this fraction of the same force, a sound specimen's force passes zero at places far apart.
 const LOUD_SHARE: f64 = 0.25;
 
-/// A test begins at rest: a force at its start by which the declared stiffness would let the structure go further than this share of the
-/// allowed motion, and so swing as far again, is none that it rests under.
+/// A test starts at rest: a force at its start is too large if, by the declared stiffness, it would move the structure
+/// by more than this fraction of the allowed motion, and so make it swing as far again.
 const START_SHARE: f64 = 0.5;
 
-/// The mean of a force is over some steps: noise and hum are no force at the start.
+/// The mean force is taken over some steps: noise and hum are no force at the start.
 const MEAN_SHARE: f32 = 1.0 / 64.0;
 
-/// What such a mean leaves of a noise: the square root of `MEAN_SHARE / (2 - MEAN_SHARE)`.
+/// Fraction of noise left in such a mean: the square root of `MEAN_SHARE / (2 - MEAN_SHARE)`.
 const MEAN_OF_NOISE: f64 = 0.0887;
 
-/// A force whose codes stay within this part of its converter's range stands but for the converter's noise: two codes of 16 bits to
-/// either side; of 12 the one code that it has. A load cell that lives has more noise than that, also where a specimen yields. No
-/// declared noise widens it: a force that stands in more noise than that is one of a specimen that yields, as docs/hazards.md says.
+/// A force whose codes stay within this part of its converter's range is constant but for the converter's noise: two
+/// codes either way at 16 bits; at 12 bits the one code. A live load cell has more noise, even if a specimen yields.
+/// Declared noise does not widen it: a force constant within more noise is a yielding specimen's (docs/hazards.md).
 const STANDS_PART: u16 = 16_000;
 
-/// What a test allows; the largest number where it is not looked at.
+/// The limits of a test; the largest number if unchecked.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorLimits {
     /// Largest difference of the two displacements, m.
     disagree_m: f32,
-    /// Motion over which the force has to leave `no_force_n`, or where it stands, m.
+    /// Motion over which the force must exceed `no_force_n`, or must not be constant, m.
     force_stands_m: f32,
-    /// Force around zero that is none, N, of each actuator.
+    /// Force around zero that counts as none, N, for each actuator.
     no_force_n: [f32; MAX_ACTUATORS],
-    /// Places without a force belong together where the piston has moved by less than this between them with one, m.
+    /// Force-free places are joined if the piston moves by less than this between them with a force, m.
     apart_m: f32,
-    /// Largest force with which a test may start, N, of each actuator, as the loop takes it.
+    /// Largest force with which a test may start, N, for each actuator, as corrected by the loop.
     start_n: [f32; MAX_ACTUATORS],
-    /// What the test declares of each load cell: force read without one, N, and true force per force read.
+    /// The test's declaration for each load cell: force read at zero force, N, and true force per force read.
     force_offset_n: [f32; MAX_ACTUATORS],
     force_scale: [f32; MAX_ACTUATORS],
 }
 
 impl SensorLimits {
-    /// Nothing is looked at.
+    /// Checks nothing.
     pub const NONE: Self = Self {
         disagree_m: f32::MAX,
         force_stands_m: f32::MAX,
@@ -66,24 +66,24 @@ impl SensorLimits {
         force_scale: [1.0; MAX_ACTUATORS],
     };
 
-    /// Of a test.
+    /// The limits of a test.
     pub fn of(test: &BoardTest) -> Self {
         let (config, limits) = (&test.config, &test.config.limits);
         let or_never = |limit: Option<f64>| limit.map_or(f32::MAX, |m| m as f32);
         let stiffness = &config.structure.stiffness_n_per_m;
         let stands_m = limits.force_stands_m.unwrap_or(0.0);
-        // What a storey makes of the allowed motion, N. No storey's stiffness is between an actuator and a coupler: there a force that
-        // stands is one whose code does.
+        // A storey's force at the allowed motion, N. On a coupler no actuator has a storey's stiffness: there a
+        // constant force is recognised by its code.
         let moves_n: [f64; MAX_ACTUATORS] = core::array::from_fn(|storey| {
             let own = stiffness.get(storey).filter(|_| test.coupled.is_none());
             own.map_or(0.0, |n_per_m| n_per_m * stands_m)
         });
-        // What a rest of the interface away from zero makes of the two forces on a coupler, N.
+        // The two forces on a coupler when the interface rests that far from zero, N.
         let rests_n = test.coupled.as_ref().map_or(moves_n, |coupled| {
             let each_n = largest_of_each_n(coupled, stands_m);
             core::array::from_fn(|actuator| if actuator < 2 { each_n } else { 0.0 })
         });
-        // Between two storeys the force passes zero wherever theirs are the same.
+        // Between two storeys the force passes zero wherever their motions are equal.
         let is_alone = test.actuators() == 1 && test.coupled.is_none();
         let noise_n = DEVIATIONS * config.estimation.force_noise_n;
         Self {
@@ -117,7 +117,7 @@ impl SensorLimits {
     }
 }
 
-/// The larger of the two actuators' forces on a coupler whose interface the specimen holds at `x_m`, without a rotation, N.
+/// The larger actuator force on a coupler whose interface the specimen holds at `x_m`, without rotation, N.
 fn largest_of_each_n(coupled: &CoupledSettings<2>, x_m: f64) -> f64 {
     let (all, numerical) = (
         &coupled.structure.stiffness,
@@ -130,16 +130,16 @@ fn largest_of_each_n(coupled: &CoupledSettings<2>, x_m: f64) -> f64 {
     first_n.abs().max((force_n - first_n).abs())
 }
 
-/// What has been seen of a load cell.
+/// The state of a load cell's watch.
 #[derive(Clone, Copy, Debug)]
 struct ForceWatch {
-    /// Its force, N, over some steps.
+    /// Its force, N, averaged over some steps.
     mean_n: f32,
     /// The last displacement, m.
     last_m: f32,
-    /// Least and largest displacement without a force, of places that belong together, m.
+    /// Least and largest displacement of joined force-free places, m.
     without_m: [f32; 2],
-    /// Steps since the last without a force, and how far the piston has moved in them, m.
+    /// Steps since the last one without a force, and the piston's travel in them, m.
     with_steps: u8,
     with_m: f32,
     /// Least and largest displacement since its codes last changed by more than noise, m, and these codes.
@@ -147,7 +147,7 @@ struct ForceWatch {
     codes: [u16; 2],
 }
 
-/// A range in which nothing lies.
+/// An empty range.
 const NOWHERE_M: [f32; 2] = [f32::MAX, f32::MIN];
 
 impl ForceWatch {
@@ -161,8 +161,8 @@ impl ForceWatch {
         codes: [0; 2],
     };
 
-    /// Takes in a displacement, a force and its code; gives the motion, m, over which the force was none, or stood. `tests` as in
-    /// [`SensorWatch::fault`].
+    /// Adds a displacement, a force and its code; returns the motion, m, over which the force was none, or constant.
+    /// `tests` as in [`SensorWatch::fault`].
     #[inline]
     fn motion_m(
         &mut self,
@@ -196,8 +196,8 @@ impl ForceWatch {
         without_m.max(standing_m)
     }
 
-    /// Takes in a displacement with a force, or with none. One step without is a spike, and a force that passes zero does so at places
-    /// that lie close together, or with much motion between them. A contact that comes and goes does neither.
+    /// Adds a displacement with or without a force. A single step without is a spike, and a force passes zero at places
+    /// that are close together, or with much motion between them. An intermittent contact does neither.
     #[inline]
     fn look(&mut self, m: f32, is_none: bool, apart_m: f32) {
         self.with_m += (m - self.last_m).abs();
@@ -222,7 +222,7 @@ fn extend([least, most]: &mut [f32; 2], m: f32) {
     (*least, *most) = (least.min(m), most.max(m));
 }
 
-/// What has been seen of the sensors of `A` actuators.
+/// The watch on the sensors of `A` actuators.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorWatch<const A: usize> {
     force: [ForceWatch; A],
@@ -238,9 +238,8 @@ impl<const A: usize> SensorWatch<A> {
         }
     }
 
-    /// Takes in a sample: the further inputs, displacements and forces in codes, in m and in N, and by how much a code of the
-    /// first displacement stands. `tests`: an equation of motion takes the
-    /// forces, here or outside.
+    /// Adds a sample: the further inputs, displacements and forces in codes, in m and in N, and the size of a code of
+    /// the first displacement. `tests`: an equation of motion, here or outside, uses the forces.
     #[inline]
     pub fn fault<H: Hardware<A>>(
         &mut self,
@@ -270,8 +269,8 @@ impl<const A: usize> SensorWatch<A> {
             .then_some(Fault::ForceStands)
     }
 
-    /// The force, N, of the first actuator that stands under more than a test may start with, as the loop takes it: what `[rig]` says of
-    /// the load cell is out of it. The bearings' friction is not: where the piston stands nobody knows which way it holds.
+    /// The force, N, of the first actuator loaded beyond the limit for a start, as corrected by the loop: without the
+    /// load cell errors of `[rig]`. The bearings' friction stays in it: at rest its direction is unknown.
     pub fn strained(&self, limits: &SensorLimits) -> Option<f32> {
         let cells = limits.force_offset_n.iter().zip(&limits.force_scale);
         let mut each = self.force.iter().zip(cells).zip(limits.start_n);
@@ -281,7 +280,7 @@ impl<const A: usize> SensorWatch<A> {
         })
     }
 
-    /// Around zero, now and then or all the time, or where it is.
+    /// Constant at zero, intermittently or always, or at any value.
     fn force_stands(
         &mut self,
         limits: &SensorLimits,
@@ -338,7 +337,7 @@ mod tests {
             no_force_n: [10.0; MAX_ACTUATORS],
             ..SensorLimits::NONE
         };
-        // The force at a step, N, of a motion of 10 mm to either side.
+        // Whether the watch trips; `force_n` gives the force, N, at each step of a motion of 10 mm to either side.
         let seen = |force_n: fn(i32) -> f32| {
             let mut watch = SensorWatch::<1>::new();
             (0..400_i32).any(|step| {
@@ -362,23 +361,23 @@ mod tests {
         } else {
             3000.0 + step as f32 * 9.0
         }));
-        // A contact that is open for 5 ms of 7.5, and for 20 of 30.
+        // A contact open for 5 ms of 7.5, and for 20 of 30.
         fn open(step: i32, open: i32, of: i32) -> f32 {
             let lives_n = 3000.0 + step as f32 * 9.0;
             if step % of < open { 0.0 } else { lives_n }
         }
         assert!(seen(|step| open(step, 10, 15)));
         assert!(seen(|step| open(step, 40, 60)));
-        // One that is open for 1.4 mm, and closed for longer, is a specimen that is slack.
+        // A contact open for 1.4 mm, and closed for longer, is a slack specimen.
         assert!(!seen(|step| open(step, 15, 60)));
-        // A spike is no dead load cell.
+        // A spike does not make a load cell dead.
         assert!(!seen(|step| if step % 8 == 0 {
             0.0
         } else {
             3000.0 + step as f32 * 9.0
         }));
     }
-    /// Steps of `seconds` at 2 kHz until the watch says that a cell is dead, which is told a force, N, of a place, m, and of a step.
+    /// Steps until the watch declares a cell dead, in `seconds` at 2 kHz; its force, N, depends on place, m, and step.
     fn watched(
         limits: &SensorLimits,
         seconds: u32,
@@ -387,7 +386,7 @@ mod tests {
     ) -> Option<u32> {
         let mut watch = SensorWatch::<1>::new();
         let mut dice = 1_u32;
-        // Two of the same size make some standard deviation of it.
+        // Uniform from -1 to 1: its standard deviation is 0.58.
         let mut noise = || {
             dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (dice >> 8) as f32 / 8_388_608.0 - 1.0
@@ -401,7 +400,7 @@ mod tests {
         })
     }
 
-    /// Rest, and motions of all sizes, with noise of 10 um and 10 N; the limit 2 mm, the stiffness as declared, and a third of it.
+    /// Rest, and motions of all sizes, with noise of 10 um and 10 N; limit 2 mm; declared stiffness, and a third of it.
     #[test]
     fn a_sound_specimen_in_a_long_weak_motion_is_never_dead() {
         let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
@@ -409,7 +408,7 @@ mod tests {
         let limits = SensorLimits::of(&config.into());
         // Half of 316 N, and six deviations of the mean of 10 N of noise.
         assert!((limits.start_n[0] - 163.3).abs() < 0.1, "{limits:?}");
-        // 2 % of 316 N, and a thirty-second of it of noise.
+        // 2 % of 316 N, and a thirty-second of it for noise.
         assert!((limits.no_force_n[0] - 16.2).abs() < 0.01);
         for share in [1.0, 0.33] {
             for amplitude_m in [0.0, 5e-5, 1e-4, 1.6e-4, 2e-4, 3e-4, 5e-4, 1e-3, 5e-3_f32] {
@@ -421,7 +420,7 @@ mod tests {
             }
         }
         let moves_m = |s: f32| 5e-3 * (12.6 * s).sin();
-        // Dead, with its amplifier's noise, which leaves 2 % of the motion's force, and with 9 N of hum as well.
+        // Dead, with its amplifier's noise, which exceeds 2 % of the motion's force, and with 9 N of hum as well.
         let dead = watched(&limits, 1, moves_m, |_, _| 0.0).expect("it is seen");
         let hums = |_, step: u32| 9.0 * (0.157 * (step % 40) as f32).sin();
         let hum = watched(&limits, 1, moves_m, hums).expect("it is seen");

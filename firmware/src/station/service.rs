@@ -1,8 +1,8 @@
-//! Commands to orders, outcomes to replies.
+//! Turns commands into orders, and outcomes into replies.
 //!
-//! One request at a time. What can be answered at once is ([`CommandResult::Reply`]); what the control interrupt has to do goes
-//! to it as an order and is answered when it is done ([`CommandResult::Wait`], [`Service::finish`]). A request that comes twice is
-//! answered twice and carried out once.
+//! One request at a time. Immediate answers are [`CommandResult::Reply`]; work of the control interrupt goes to it as
+//! an order and is answered once done ([`CommandResult::Wait`], [`Service::finish`]). A repeated request is answered
+//! twice and carried out once.
 
 mod calibrations;
 mod uploads;
@@ -28,12 +28,12 @@ use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::{Event, Mode, Pace, Refusal};
 
-/// What does not change while the board runs.
+/// Facts that are constant while the board runs.
 #[derive(Clone, Debug)]
 pub struct Board {
     /// Its name.
     pub name: &'static str,
-    /// Commit that the firmware was built from.
+    /// Commit of the firmware's source.
     pub commit: &'static str,
     /// Its clocks.
     pub clock: Clock,
@@ -43,35 +43,35 @@ pub struct Board {
     pub codes: CodeRange,
     /// Number of its actuators, 1 to [`MAX_ACTUATORS`].
     pub actuators: usize,
-    /// What it records beside displacement and force.
+    /// The inputs it records besides displacement and force.
     pub inputs: &'static [Input],
-    /// Volts at the ends of their codes.
+    /// Voltages at the ends of their codes.
     pub input_span_v: [f32; 2],
     /// From the sampling trigger to the output of the command, us.
     pub output_delay_us: f32,
-    /// The crystal has the right frequency.
+    /// True if the crystal has the right frequency.
     pub crystal_ok: bool,
-    /// The converters answered at the start.
+    /// True if the converters answered at the start.
     pub converters_ok: bool,
     /// Why the board started.
     pub started: StartCause,
-    /// What was kept across the reset.
+    /// The crash report kept across the reset.
     pub last_crash: Option<CrashReport>,
 }
 
-/// What becomes of a command.
+/// The result of a command.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // There is no heap.
 pub enum CommandResult {
     /// The answer.
     Reply(NumberedReply),
-    /// The interrupt has an order; its outcome goes to [`Service::finish`].
+    /// The interrupt has an order; pass its outcome to [`Service::finish`].
     Wait,
-    /// These are to be written; then [`Service::saved`].
+    /// These must be written; then call [`Service::saved`].
     Save(Option<BoardTest>, PerActuator<Option<Wiring>>),
 }
 
-/// What the outcome of the order is for.
+/// The purpose of an order's outcome.
 #[allow(clippy::large_enum_variant)] // There is no heap.
 enum Pending {
     Nothing,
@@ -90,15 +90,15 @@ pub struct Service {
     spare: Option<&'static mut Setup>,
     writable: Option<Writable>,
     upload: Option<Upload>,
-    /// Largest of the points that were sent last, once all of them have come.
+    /// Largest of the points sent last, once all have arrived.
     uploaded_most: Option<f32>,
     test: Option<BoardTest>,
     rate_hz: f32,
     model_step_s: f64,
-    /// Ticks that a step of the last test that was worked out leaves of its deadline; 0 for one that was loaded at the start, which
-    /// nobody has timed.
+    /// Ticks to spare before the deadline in a step of the last computed test; 0 for one loaded at the start, which was
+    /// not timed.
     left_ticks: u32,
-    /// The calibration of each actuator, and who made it.
+    /// The calibration of each actuator, and its origin.
     pub(crate) calibrations: PerActuator<(Twice<Calibration>, Made)>,
     windows: [[Window; 2]; MAX_ACTUATORS],
     mode: Mode,
@@ -110,7 +110,7 @@ pub struct Service {
     watchers: Watchers<'static>,
 }
 
-/// What the service is made of.
+/// The parts of a service.
 pub struct Parts {
     /// Orders to the interrupt.
     pub orders: Producer<'static, Order>,
@@ -118,16 +118,16 @@ pub struct Parts {
     pub spare: &'static mut Setup,
     /// Room for the ground motion.
     pub writable: Writable,
-    /// The test in force, if somebody has asked for it.
+    /// The test in force, if any was requested.
     pub test: Option<BoardTest>,
-    /// The calibration of each actuator, if somebody has made one.
+    /// The calibration of each actuator, if made.
     pub calibrations: PerActuator<Option<Calibration>>,
     /// The rig watch.
     pub watch: WatchParts<'static>,
 }
 
 impl Service {
-    /// Nothing asked yet. `in_force` is the test that the interrupt begins with.
+    /// No request yet. `in_force` is the interrupt's initial test.
     pub fn new(board: Board, parts: Parts, in_force: (f32, f64)) -> Self {
         Self {
             orders: parts.orders,
@@ -164,8 +164,8 @@ impl Service {
         }
     }
 
-    /// Takes in a step's report; true if what the rig watch says has changed. Asked for more often than every 8 blocks of the watch (16 ms at
-    /// 2 kHz), or it ends.
+    /// Takes a step's report; true if the verdict of the rig watch has changed. Must be called at least every 8 blocks
+    /// of the watch (16 ms at 2 kHz), or the watch ends.
     pub fn see(&mut self, report: &Report) -> bool {
         for (actuator, windows) in self.windows.iter_mut().enumerate() {
             let codes = report.step.codes(actuator).unwrap_or_default();
@@ -178,7 +178,7 @@ impl Service {
         self.watch_step(report)
     }
 
-    /// Steps that the tasks had no room for until they could be sent.
+    /// Counts a step for which the tasks had no room before sending.
     pub fn count_dropped(&mut self) {
         self.dropped_steps = self.dropped_steps.saturating_add(1);
     }
@@ -228,7 +228,7 @@ impl Service {
         }
     }
 
-    /// The outcome of the order has come. `Wait`: another one was needed.
+    /// Takes the outcome of the order. `Wait`: another order was needed.
     pub fn finish(&mut self, outcome: Outcome) -> CommandResult {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
         let (tick, mode) = (outcome.tick, outcome.mode);
@@ -250,7 +250,7 @@ impl Service {
                 let Some(motion) = motion else {
                     return self.done(tick, mode);
                 };
-                // The motion was laid out over the old test's steps.
+                // The motion was mapped onto the old test's steps.
                 let (count, interval_s) = (motion.count(), motion.interval_s());
                 match motion.unload().load(count, interval_s, self.model_step_s) {
                     Ok(loaded) => self.order(Order::Load(loaded), Pending::Reload(tick)),
@@ -285,7 +285,7 @@ impl Service {
         }
     }
 
-    /// The settings have been written, or not.
+    /// Takes whether the settings have been written.
     pub fn saved(&mut self, written: bool) -> NumberedReply {
         let reply = if written {
             Reply::Done {
@@ -323,7 +323,7 @@ impl Service {
         self.pending = pending;
         match self.orders.enqueue(order) {
             Ok(()) => CommandResult::Wait,
-            // Cannot be: one request at a time, and each order is taken before its outcome.
+            // Impossible: one request at a time, and each order is taken before its outcome.
             Err(_) => self.reply(self.rejected(None, None)),
         }
     }
@@ -431,7 +431,7 @@ impl Service {
         })
     }
 
-    /// Arming asks for a clock, converters, a calibration, and limits that can act.
+    /// Arming requires a clock, converters, a calibration, and limits that can act.
     fn arm(&mut self) -> CommandResult {
         let obstacle = if !self.board.crystal_ok {
             Some(Obstacle::Crystal)
@@ -445,7 +445,7 @@ impl Service {
         if obstacle.is_some() {
             return self.reply(self.rejected(Some(Event::Arm), obstacle));
         }
-        // The calibration may be another one than when the test came.
+        // The calibration may have changed since the test was sent.
         let range = self.shown(self.test.as_ref());
         match self.test.as_ref().map(|test| range.check(&test.config)) {
             Some(Err(refusal)) => self.reply(refusal.into()),
@@ -457,7 +457,7 @@ impl Service {
         if let Err(refusal) = self.shown(Some(&test)).check(&test.config) {
             return self.reply(refusal.into());
         }
-        // Working it out takes longer than the rig watch of a running test may wait.
+        // Computing it takes longer than the rig watch of a running test may wait.
         if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
@@ -473,7 +473,7 @@ impl Service {
         }
     }
 
-    /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
+    /// Computes a test and times its steps here: whether they keep the deadline is known before anything moves.
     fn work_out(&mut self, test: &BoardTest, place: &mut Setup) -> Result<(), Refusal> {
         let clock = &self.board.clock;
         place.replace(test, clock, self.board.actuators)?;
@@ -506,12 +506,12 @@ impl Service {
         }
     }
 
-    /// The test in force is of two coupled actuators.
+    /// True if the test in force has two coupled actuators.
     fn is_coupled(&self) -> bool {
         self.test.as_ref().is_some_and(|t| t.coupled.is_some())
     }
 
-    /// Something that such a test does not have yet.
+    /// Refuses a feature that such a test does not support yet.
     fn not_of_coupled(&mut self, what: &str) -> CommandResult {
         self.reply(Reply::Refused(RefusedParameter::new(
             what,

@@ -1,16 +1,16 @@
-//! What survives power-off: the calibration and the test, each a record of its own with its own version.
+//! Data that survive power-off: calibration and test, each a separate record with its own version.
 //!
-//! A calibration belongs to the wiring. It outlives the test, and new versions of the link: its bytes are fixed here, not
-//! by what serde makes of a type. A test is of the link's version that it came with; of another it is passed over.
+//! A calibration belongs to the wiring. It outlives the test, and new versions of the link: its bytes are defined here,
+//! not by serde. A test belongs to the link version that it came with; under any other it is ignored.
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 0..3 | which record |
+//! | 0..3 | kind of record |
 //! | 3 | version of its body |
 //! | 4..8 | sequence number: the largest counts |
 //! | 8..10 | bytes of the body |
-//! | 10.. | body, then CRC-32 of all before |
-//! | last 4 | of a calibration: zero once all before has been read back, see [`FlashRecord::MARKED`] |
+//! | 10.. | body, then CRC-32 of everything before |
+//! | last 4 | of a calibration: zero once everything before has been read back, see [`FlashRecord::MARKED`] |
 
 use link::channel::Calibration;
 use link::command::BoardTest;
@@ -21,31 +21,31 @@ const HEAD: usize = 10;
 /// Kind, version and sequence number.
 pub(super) const NUMBERED: usize = 8;
 const TAIL: usize = 4;
-/// Bytes at the end of a slot that say that it was whole.
+/// Bytes at the end of a slot that mark it as whole.
 pub(super) const MARK: usize = 4;
 
-/// Bytes of a slot for a test: head, body, check sum, in whole words.
+/// Bytes of a slot for a test: head, body, check sum, rounded up to whole words.
 pub const TEST_BYTES: usize = (HEAD + MAX_BODY + TAIL).next_multiple_of(4);
 
 /// Bytes of a slot for a calibration.
 pub const CALIBRATION_BYTES: usize = 64;
 
-/// What can be kept in a slot of `BYTES`.
+/// Data that can be kept in a slot of `BYTES`.
 pub trait FlashRecord<const BYTES: usize>: Sized {
-    /// Which record, and the version of its body.
+    /// Kind of record, and the version of its body.
     const KIND: [u8; 4];
 
-    /// The last word of a slot is written behind all others, once they read back as they were: a record that has it and does not add up
-    /// is no saving that the power has cut short, but one that was whole.
+    /// The last word of a slot is written after all others, once they have been read back: a record with that word but
+    /// a wrong sum was whole once, and is no saving cut short by a power failure.
     const MARKED: bool;
 
     /// Writes the body; returns its length.
     fn body(&self, room: &mut [u8]) -> Option<usize>;
 
-    /// From the body.
+    /// Decodes the body.
     fn from_body(body: &[u8]) -> Option<Self>;
 
-    /// As bytes of a slot, erased flash's 0xff behind them; `None` if it does not fit.
+    /// Encodes it as a slot, followed by erased flash's 0xff; `None` if it does not fit.
     fn encode(&self, sequence: u32) -> Option<[u8; BYTES]> {
         let mut slot = [0xff; BYTES];
         let mark = if Self::MARKED { MARK } else { 0 };
@@ -62,14 +62,14 @@ pub trait FlashRecord<const BYTES: usize>: Sized {
         Some(slot)
     }
 
-    /// The sequence number that the first bytes of a slot say, [`NUMBERED`] at least; `None` if they are of no such record.
+    /// The sequence number in a slot's first bytes, at least [`NUMBERED`] of them; `None` if it is no such record.
     fn sequence(slot: &[u8]) -> Option<u32> {
         let (kind, rest) = slot.split_first_chunk::<4>()?;
         let sequence = u32::from_le_bytes(*rest.first_chunk()?);
         (*kind == Self::KIND).then_some(sequence)
     }
 
-    /// From a slot, with its sequence number; `None` if it is empty, damaged, or of another version.
+    /// Decodes a slot, with its sequence number; `None` if it is empty, damaged, or of another version.
     fn decode(slot: &[u8]) -> Option<(u32, Self)> {
         let sequence = Self::sequence(slot)?;
         let (_, rest) = slot.split_at_checked(NUMBERED)?;
@@ -99,30 +99,30 @@ impl FlashRecord<TEST_BYTES> for BoardTest {
     }
 }
 
-/// Who made a calibration.
+/// The origin of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Made {
-    /// The board goes by its placeholder.
+    /// The board uses its placeholder.
     ByNobody,
-    /// It was sent, or saved before.
+    /// It was sent, or saved earlier.
     BySomebody,
-    /// The placeholder was sent in its place: what was saved before is not to come back.
+    /// The placeholder was sent instead: what was saved earlier must not return.
     TakenBack,
 }
 
-/// A calibration and the board that it is of.
+/// A calibration and the board to which it belongs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wiring {
     /// The lines.
     pub calibration: Calibration,
-    /// The highest codes of sensors and command: a calibration of other converters means nothing.
+    /// The highest codes of sensors and command: a calibration of other converters is invalid.
     pub tops: [u16; 2],
-    /// How many actuators the image had: one for another number is of another rig.
+    /// The image's number of actuators: a calibration for another number belongs to another rig.
     pub actuators: u8,
 }
 
 impl Wiring {
-    /// A calibration of converters with `codes`, one of so many `actuators`.
+    /// A calibration for converters with `codes` and `actuators` actuators.
     pub const fn new(calibration: Calibration, codes: &CodeRange, actuators: usize) -> Self {
         Self {
             calibration,
@@ -131,8 +131,8 @@ impl Wiring {
         }
     }
 
-    /// The calibration, if it is of converters with `codes` and of so many `actuators`, means something, and is not what a board
-    /// goes by that nobody has calibrated: a test on the desk, or somebody who took a calibration back, may have left that.
+    /// The calibration, if it fits converters with `codes` and so many `actuators`, is valid, and is not the
+    /// placeholder of an uncalibrated board, which a test on the desk, or a withdrawn calibration, may have left.
     pub fn of(&self, codes: &CodeRange, actuators: usize) -> Option<Calibration> {
         let fits = *self == Self::new(self.calibration, codes, actuators);
         let means = self.calibration.is_made(codes) && self.calibration.check(codes).is_ok();
@@ -141,7 +141,7 @@ impl Wiring {
 }
 
 impl FlashRecord<CALIBRATION_BYTES> for Wiring {
-    // The first did not say of how many actuators.
+    // Version 1 lacked the number of actuators.
     const KIND: [u8; 4] = [b'O', b'L', b'C', 2];
     const MARKED: bool = true;
 
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn a_calibration_is_kept_in_bytes_that_do_not_change_with_the_link() {
         let slot = wiring().encode(1).unwrap();
-        // Not a version of the link in it; what a board has in its flash is read by every later firmware.
+        // Contains no version of the link; every later firmware reads what a board has in its flash.
         assert_eq!(
             slot[..15],
             [

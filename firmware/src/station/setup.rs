@@ -1,4 +1,4 @@
-//! A test, worked out and ready to be exchanged for another.
+//! A test, computed and ready to replace another.
 
 use super::any_loop::{AnyLoop, not_coupled};
 use super::heartbeats::Timeouts;
@@ -7,7 +7,7 @@ use crate::step_time::StepTime;
 use link::command::BoardTest;
 use outerloop_core::{Config, Refusal};
 
-/// What the board's clocks allow.
+/// The limits of the board's clocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Clock of the sampling timer, Hz.
@@ -16,15 +16,15 @@ pub struct Clock {
     pub slowest_rate_hz: u32,
     /// The fastest control rate, Hz; each step is reported over the link.
     pub fastest_rate_hz: u32,
-    /// Ticks of the stopwatch from the beginning of a step to its command, at most.
+    /// Longest time from the beginning of a step to its command, in stopwatch ticks.
     pub deadline_ticks: u32,
-    /// The same where the commands [leave late](crate::hardware::Hardware::leave_late).
+    /// The same if the commands [leave late](crate::hardware::Hardware::leave_late).
     pub late_deadline_ticks: u32,
-    /// Those of them that the board takes around the outer loop's own step: sample, calibration, code.
+    /// The part of them outside the outer loop's own step: sample, calibration, code.
     pub around_step_ticks: u32,
-    /// What a step takes longer where the rig watch corrects command and reading, at most.
+    /// Longest additional time of a step if the rig watch corrects command and reading.
     pub correction_ticks: u32,
-    /// Ticks of the stopwatch in a second.
+    /// Stopwatch ticks per second.
     pub stopwatch_hz: u32,
 }
 
@@ -32,11 +32,11 @@ pub struct Clock {
 pub struct Setup {
     /// The loop.
     pub outer: AnyLoop,
-    /// How long its steps took.
+    /// The time of its steps.
     pub time: StepTime,
     /// Period of the sampling timer, in its ticks.
     pub period_ticks: u32,
-    /// Its commands leave late: a step of two coupled actuators takes three times as long as any other.
+    /// True if its commands leave late: a step of two coupled actuators takes three times as long as any other.
     pub leaves_late: bool,
     /// Control rate, Hz.
     pub rate_hz: f32,
@@ -44,17 +44,17 @@ pub struct Setup {
     pub model_step_s: f64,
     /// The timeouts of the tasks and the PC at this rate.
     pub timeouts: Timeouts,
-    /// What the test allows of sensors that contradict each other.
+    /// The test's limits for contradicting sensors.
     pub sensors: SensorLimits,
-    /// It is stopped by its energy error.
+    /// True if its energy error stops it.
     pub stops_by_energy: bool,
-    /// Somebody has asked for this test; the one that a board starts with cannot be armed.
+    /// True if this test was requested; the initial one of a board cannot be armed.
     pub configured: bool,
 }
 
 impl Setup {
-    /// Works `test` out in the place of this one, which stays where `test` is refused. For a deep stack: nothing large
-    /// lies on it.
+    /// Computes `test` in place of this one, which stays if `test` is refused. For a deep stack: nothing large lies on
+    /// it.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
@@ -80,7 +80,7 @@ impl Setup {
         Ok(())
     }
 
-    /// Ticks from the beginning of one of its steps to the command, at most.
+    /// Longest time from the beginning of a step to its command, in ticks.
     pub(super) fn deadline_ticks(&self, clock: &Clock) -> u32 {
         if self.leaves_late {
             clock.late_deadline_ticks
@@ -89,7 +89,7 @@ impl Setup {
         }
     }
 
-    /// What a board starts with: it samples and reports at 2 kHz and cannot be armed.
+    /// The initial test of a board: it samples and reports at 2 kHz and cannot be armed.
     ///
     /// # Errors
     /// The clock does not allow 2 kHz.
@@ -102,7 +102,7 @@ impl Setup {
         let period_ticks = period_ticks(&config, clock)?;
         let timeouts = Timeouts::at(config.timing.rate_hz);
         let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
-        // No closure: the stack would hold the loop once more.
+        // Not a closure: the stack would hold the loop once more.
         match AnyLoop::new(&config) {
             Ok(outer) => Ok(Self {
                 outer,
@@ -121,10 +121,10 @@ impl Setup {
     }
 }
 
-/// The sampling timer's ticks in a period.
+/// The sampling timer's ticks per period.
 fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
     let rate_hz = config.timing.rate_hz;
-    // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
+    // Whole ticks: the product must equal the timer's clock exactly, or the rate does not divide it.
     let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
     let divides = f64::from(period_ticks) * rate_hz == f64::from(clock.timer_hz);
     let range = f64::from(clock.slowest_rate_hz)..=f64::from(clock.fastest_rate_hz);
@@ -138,8 +138,8 @@ fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
     Ok(period_ticks)
 }
 
-/// Every actuator of the board has its storey: one that a test leaves out would move with the others' permission. Only where two
-/// hold a coupler nothing hangs on the third, whose output stands.
+/// Requires a storey for every actuator of the board: one left out of a test would move with the others' permission.
+/// Only if two hold a coupler is nothing connected to the third, whose output is constant.
 fn check_actuators(test: &BoardTest, actuators: usize) -> Result<(), Refusal> {
     if test.coupled.is_some() {
         return if cfg!(coupled) && actuators > 2 {

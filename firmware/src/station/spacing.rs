@@ -1,4 +1,4 @@
-//! Distance between the beginnings of control steps, in ticks of the stopwatch.
+//! Distance between the beginnings of control steps, in stopwatch ticks.
 
 /// Shortest and longest distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// Nothing seen.
+    /// Nothing recorded yet.
     pub const fn new() -> Self {
         Self {
             last: None,
@@ -18,8 +18,8 @@ impl Spacing {
         }
     }
 
-    /// A step begins at `now`; the counter may turn over. Whether it begins more than an eighth of a `period` early or late by this
-    /// clock: what makes the period cannot tell that it has become another one.
+    /// A step begins at `now`; the counter may wrap. Returns whether it begins more than an eighth of a `period` early
+    /// or late by this clock: the source of the period cannot notice that it has changed.
     #[inline]
     pub fn begin(&mut self, now: u32, period: u32) -> bool {
         let distance = self.last.map(|last| now.wrapping_sub(last));

@@ -1,4 +1,4 @@
-//! A value that is kept twice: a bit that turns over in one of the copies is seen before the value is used.
+//! A value kept twice: a flipped bit in one of the copies is detected before the value is used.
 
 /// Two copies of a value.
 #[derive(Clone, Copy, Debug)]
@@ -7,12 +7,12 @@ pub struct Twice<T> {
 }
 
 impl<T: Copy + PartialEq> Twice<T> {
-    /// Both say `value`.
+    /// Both copies hold `value`.
     pub const fn new(value: T) -> Self {
         Self { copies: [value; 2] }
     }
 
-    /// The value, if the copies agree in it. Which of them is right nobody knows where they do not.
+    /// The value, if the copies agree. If they do not, nobody knows which one is right.
     #[inline]
     pub fn agreed(&self) -> Option<&T> {
         let [value, copy] = &self.copies;
@@ -26,7 +26,7 @@ impl<T: Copy + PartialEq> Twice<T> {
         value
     }
 
-    /// Both copies, to be written.
+    /// Both copies, for writing.
     pub const fn both(&mut self) -> &mut [T; 2] {
         &mut self.copies
     }

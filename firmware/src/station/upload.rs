@@ -1,11 +1,11 @@
-//! A ground motion on its way in.
+//! An incoming ground motion.
 
 use link::command::MAX_POINTS;
 use link::frame::checksum;
 use link::reply::{RefusedParameter, Reply};
 use outerloop_core::{Mode, Refusal};
 
-/// How far it has come.
+/// Progress of the upload.
 #[derive(Clone, Copy, Debug)]
 pub struct Upload {
     count: usize,
@@ -14,29 +14,29 @@ pub struct Upload {
     received: usize,
 }
 
-/// What became of a chunk.
+/// The result of a chunk.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Uploaded {
-    /// Taken; more are expected.
+    /// Accepted; more are expected.
     Part,
-    /// The last one; the check sum fits.
+    /// The last one; the check sum matches.
     Whole,
-    /// Out of turn; this point is expected.
+    /// Out of sequence; this point is expected.
     Expected(u32),
     /// A point is NaN or infinite.
     NoNumber {
         /// Its index.
         index: u32,
     },
-    /// The last one, and the check sum does not fit.
+    /// The last one, but the check sum does not match.
     WrongSum {
-        /// The sum of what came.
+        /// The sum of the received points.
         received: u32,
     },
 }
 
 impl Uploaded {
-    /// As an answer to the chunk.
+    /// As the reply to the chunk.
     pub fn reply(&self, tick: u32, mode: Mode) -> Reply {
         match *self {
             Self::Part | Self::Whole => Reply::Done { tick, mode },
@@ -90,7 +90,7 @@ impl Upload {
         self.interval_s
     }
 
-    /// Takes a chunk into `memory`.
+    /// Adds a chunk to `memory`.
     pub fn take(&mut self, memory: &mut [f32], first: u32, points: &[f32]) -> Uploaded {
         let end = self.received + points.len();
         if first as usize != self.received || end > self.count || points.is_empty() {
@@ -133,7 +133,7 @@ mod tests {
             Uploaded::Expected(0)
         );
         assert_eq!(upload.take(&mut memory, 0, &points[..128]), Uploaded::Part);
-        // The same again, as after a lost reply.
+        // A repetition, as after a lost reply.
         assert_eq!(
             upload.take(&mut memory, 0, &points[..128]),
             Uploaded::Expected(128)

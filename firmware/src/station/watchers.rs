@@ -19,23 +19,23 @@ use outerloop_core::watch::{
 };
 use outerloop_core::{OuterLoop, Refusal, Rig};
 
-/// What the rig watch needs of a control step beside its codes.
+/// The rig watch's input from a control step besides its codes.
 #[derive(Clone, Copy, Debug)]
 pub struct Watched {
-    /// The running test, where it is watched.
+    /// The running test, if it is watched.
     pub test: Option<NonZeroU8>,
-    /// Command that was in force, m, of each of the test's first coordinates.
+    /// Command in force, m, of each of the test's first coordinates.
     pub sent_m: [f32; MAX_ACTUATORS],
 }
 
-/// How far the tasks have judged a test, and whether they have asked for something else that is still on its way.
+/// How far the tasks have judged a test, and whether they have sent orders that are still in transit.
 #[derive(Debug, Default)]
 pub struct Judged(AtomicU32);
 
-/// There are orders on their way.
+/// There are orders in transit.
 const ORDERS: u32 = 1 << 31;
 
-/// Blocks by which the tasks are ahead of what is due, at most: those that fill meanwhile, and some.
+/// Most blocks by which the tasks may be ahead of the due one: those that fill meanwhile, with a margin.
 const MOST_AHEAD: u32 = 16;
 
 impl Judged {
@@ -44,13 +44,13 @@ impl Judged {
         Self(AtomicU32::new(0))
     }
 
-    /// Up to `block`.
+    /// Judged up to `block`.
     fn up_to(&self, block: BlockId, orders: bool) {
         let orders = if orders { ORDERS } else { 0 };
         self.0.store(block.word() | orders, Ordering::Release);
     }
 
-    /// True if `block`, one of the last, is judged.
+    /// True if `block`, a recent one, is judged.
     #[inline]
     fn covers(&self, block: BlockId, orders: u32) -> bool {
         let word = self.0.load(Ordering::Acquire) & !orders;
@@ -58,7 +58,7 @@ impl Judged {
     }
 }
 
-/// What is asked of the loop in answer to a block, where it is something else than for the block before.
+/// The requests to the loop in answer to a block, if they differ from those for the block before.
 #[derive(Clone, Copy, Debug)]
 pub struct OrdersOf {
     /// The block.
@@ -67,21 +67,21 @@ pub struct OrdersOf {
     pub orders: Orders<MAX_ACTUATORS>,
 }
 
-/// Orders on their way: of as many blocks as a test waits for, twice, since those of the test before may still be there.
+/// Orders in transit: twice the blocks that a test waits for, since those of the previous test may still be there.
 pub type OrdersQueue = Queue<OrdersOf, 32>;
 
 /// The interrupt's ends.
 pub struct FromWatch<'a> {
-    /// How far the tasks are.
+    /// Progress of the tasks.
     pub judged: &'a Judged,
-    /// What they ask for.
+    /// Their requests.
     pub orders: Consumer<'a, OrdersOf>,
 }
 
 /// The watches of a test, one for each actuator.
 pub type Watches = Vec<Watch, MAX_ACTUATORS>;
 
-/// What is left of the rig watch to the interrupt when the command is out; `sent_m` was in force in the step.
+/// The interrupt's part of the rig watch, after the command is out; `sent_m` was in force in the step.
 #[inline]
 pub fn pass_on<const N: usize, R: Rig<N>>(
     outer: &mut OuterLoop<N, R>,
@@ -98,9 +98,9 @@ pub fn pass_on<const N: usize, R: Rig<N>>(
     }
 }
 
-/// What every step takes of it: gives the test that this step is one of, if it is watched,
-/// and the block whose answer is due, if that is something else than that the orders stay ([`answer`]).
-#[inline(never)] // It delays no command, and what it takes is counted by itself.
+/// The part in every step: returns the test of this step, if it is watched, and the block whose answer is due, unless
+/// the answer is that the orders stay ([`answer`]).
+#[inline(never)] // It delays no command, and its time is counted separately.
 fn hand_over<const N: usize, R: Rig<N>>(
     outer: &mut OuterLoop<N, R>,
     judged: &Judged,
@@ -111,9 +111,9 @@ fn hand_over<const N: usize, R: Rig<N>>(
     (step.map(|step| step.test), due)
 }
 
-/// Does what answers the block that is `due`, or ends the watch of the test.
+/// Applies the answer to the block that is `due`, or ends the watch of the test.
 #[cold]
-#[inline(never)] // In place it would lengthen what every step takes.
+#[inline(never)] // Inlined it would lengthen every step.
 fn answer<const N: usize, R: Rig<N>>(
     outer: &mut OuterLoop<N, R>,
     from: &mut FromWatch<'_>,
@@ -123,7 +123,7 @@ fn answer<const N: usize, R: Rig<N>>(
         outer.end_watch();
         return;
     }
-    // Looked at where it is: what is taken out of the queue is copied.
+    // Inspected in place: dequeuing would copy it.
     while let Some(next) = from.orders.peek() {
         if next.block == due {
             outer.obey(|in_force| {
@@ -133,7 +133,7 @@ fn answer<const N: usize, R: Rig<N>>(
                 (in_force.state, in_force.alarm) = (next.orders.state, next.orders.alarm);
             });
         } else if next.block.is_in_test_of(due) {
-            // Of a later block.
+            // For a later block.
             return;
         }
         // Obeyed, or of a test that is over.
@@ -143,11 +143,11 @@ fn answer<const N: usize, R: Rig<N>>(
 
 /// The tasks' ends.
 pub struct WatchParts<'a> {
-    /// Where the watches are: too large for a stack.
+    /// The watches: too large for a stack.
     pub watches: &'a mut Watches,
-    /// How far they are judged, for the interrupt.
+    /// Their progress, for the interrupt.
     pub judged: &'a Judged,
-    /// What is asked of it.
+    /// Requests to it.
     pub orders: Producer<'a, OrdersOf>,
 }
 
@@ -157,24 +157,24 @@ pub struct Watchers<'a> {
     taps: Taps<MAX_ACTUATORS>,
     corrects: bool,
     state: State,
-    /// The control step that comes next where none is lost, and whether one was since the last of a test.
+    /// The next control step if none is lost, and whether one was lost since the last of a test.
     next_tick: Option<u32>,
     lost: bool,
-    /// All orders of this test had room on their way.
+    /// True if there was room for all orders of this test.
     is_heard: bool,
     /// Control steps in a block.
     steps: u32,
-    /// Since which control step of the running test state and sets have been so.
+    /// Control step of the running test since which state and sets have been unchanged.
     since_step: u32,
-    /// What was asked of the loop last.
+    /// The last requests to the loop.
     asked: Orders<MAX_ACTUATORS>,
     time: StepTime,
-    /// Ticks since the last block was judged.
+    /// Ticks spent since the last block was judged.
     spent: u32,
 }
 
 impl<'a> Watchers<'a> {
-    /// Nobody watches yet.
+    /// No watch yet.
     pub fn new(own: WatchParts<'a>) -> Self {
         Self {
             own,
@@ -192,7 +192,7 @@ impl<'a> Watchers<'a> {
         }
     }
 
-    /// Another test, of which nothing is known yet.
+    /// Prepares for another test, of which nothing is known yet.
     pub(super) fn clear(&mut self) {
         self.own.watches.clear();
         self.corrects = false;
@@ -201,7 +201,7 @@ impl<'a> Watchers<'a> {
         self.time = StepTime::new(u32::MAX);
     }
 
-    /// Of how many actuators the watch knows.
+    /// Number of watched actuators.
     pub(super) fn count(&self) -> usize {
         self.own.watches.len()
     }
@@ -211,11 +211,11 @@ impl<'a> Watchers<'a> {
         self.corrects
     }
 
-    /// Takes in what the next actuator is; a block has so many control steps.
+    /// Takes the instructions for the next actuator; a block has this many control steps.
     ///
     /// # Errors
-    /// What is declared of it cannot be.
-    #[inline(never)] // A watch is a few KiB, and the tasks' frames stand below it.
+    /// Its declared values are impossible.
+    #[inline(never)] // A watch is a few KiB, and the tasks' frames are below it.
     pub fn tell(&mut self, told: &Instructions, steps: u32) -> Result<(), Refusal> {
         let watch = Watch::new(told)?;
         self.taps = Taps::of(steps);
@@ -226,8 +226,8 @@ impl<'a> Watchers<'a> {
         Ok(())
     }
 
-    /// Takes in control step `tick`, and judges the block that it fills, a bounded piece of work; true if state or set have changed.
-    /// `now` times it.
+    /// Adds control step `tick`, and judges the block that it fills, a bounded piece of work timed by `now`; true if
+    /// state or set have changed.
     pub fn see(
         &mut self,
         tick: u32,
@@ -269,12 +269,12 @@ impl<'a> Watchers<'a> {
         (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
         self.state = verdict.state;
         if verdict.changed {
-            // The step that has filled the block.
+            // The step that filled the block.
             let next = block.number().wrapping_add(1).wrapping_mul(self.steps);
             self.since_step = next.wrapping_sub(1);
         }
         let others = core::mem::replace(&mut self.asked, orders) != orders;
-        // Orders for which there is no room are lost: then no block of this test has an answer any more.
+        // If there is no room, orders are lost: then no further block of this test gets an answer.
         self.is_heard &= !others || self.own.orders.enqueue(OrdersOf { block, orders }).is_ok();
         if self.is_heard {
             let waiting = !self.own.orders.is_empty();
@@ -283,7 +283,7 @@ impl<'a> Watchers<'a> {
         verdict.changed
     }
 
-    /// No test runs, and the next one is another one whatever its number.
+    /// No test runs, and the next one is a different one whatever its number.
     pub(super) fn forget_test(&mut self) {
         if self.taps.test().is_some() {
             self.taps = Taps::of(self.steps);
@@ -291,7 +291,7 @@ impl<'a> Watchers<'a> {
         self.lost = false;
     }
 
-    /// What it says of the rig, of the worst actuator.
+    /// The state of the rig, of the worst actuator.
     pub(super) fn state(&self) -> State {
         self.state
     }
@@ -310,12 +310,12 @@ impl<'a> Watchers<'a> {
         })
     }
 
-    /// True if what a compensation learns is held.
+    /// True if the compensation's learning is held.
     pub(super) fn holds(&self) -> bool {
         { self.own.watches.iter() }.any(|watch| watch.axis_orders().hold)
     }
 
-    /// What it says; nothing where no test is watched.
+    /// The present verdict; `None` if no test is watched.
     pub(super) fn status(&self) -> Option<WatchStatus> {
         if self.own.watches.is_empty() {
             return None;

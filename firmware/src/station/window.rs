@@ -27,7 +27,7 @@ impl Window {
         }
     }
 
-    /// Takes in a code.
+    /// Adds a code.
     pub fn add(&mut self, code: u16) {
         if let Some(place) = self.codes.get_mut(self.next) {
             *place = code;
@@ -42,7 +42,7 @@ impl Window {
         self.codes.get(last).copied().unwrap_or(0)
     }
 
-    /// Mean code, and largest less smallest; `None` until the window is full.
+    /// Mean code, and largest minus smallest; `None` until the window is full.
     pub fn mean_and_spread(&self) -> Option<(f32, u16)> {
         let sum: u32 = self.codes.iter().map(|&c| u32::from(c)).sum();
         let largest = self.codes.iter().max()?;

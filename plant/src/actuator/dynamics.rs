@@ -25,16 +25,16 @@ pub(super) enum Dynamics {
 pub struct Actuator {
     pub(super) dynamics: Dynamics,
     pub(super) gain: f64,
-    /// What its motion goes through after its dynamics.
+    /// Stages that its motion passes after its dynamics.
     pub(super) motion: Stages,
     pub(super) step_s: f64,
     pub(super) jump: Option<Jump>,
     pub(super) held_m: f64,
-    /// Delay and time constant of its own element, s.
+    /// Delay and time constant of the actuator's own element, s.
     pub(super) own_s: [f64; 2],
 }
 
-/// A change of delay that is still to come.
+/// A pending change of delay.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jump {
     pub(super) steps_left: u64,
@@ -54,7 +54,7 @@ impl Actuator {
                 jump.steps_left -= 1;
             }
         }
-        // A converter cannot put out NaN or infinity: it keeps the last command.
+        // A converter cannot output NaN or infinity: it keeps the last command.
         if command_m.is_finite() {
             self.held_m = command_m;
         }
@@ -71,8 +71,8 @@ impl Actuator {
         self.motion.step(moved)
     }
 
-    /// What begins in the next period. A timing error goes into the actuator's own element where its kind has one, else in a
-    /// stage behind it.
+    /// Takes the effects that begin in the next period. A timing error goes into the actuator's own element if its kind
+    /// has one, otherwise into a stage after it.
     pub(crate) fn begin(&mut self, mut added: Additions) {
         let h = self.step_s;
         let more_s = [1e-3 * added.delay_ms, 1e-3 * added.lag_ms];

@@ -1,8 +1,8 @@
 //! From command to displacement.
 //!
 //! Commands are held by the converter over a control period, and the displacement is sampled at its end. A lag that is
-//! exact for the held command is therefore half a period *ahead* of the same lag driven by the commands joined by
-//! straight lines: its low-frequency delay behind the sequence of commands is `delay_ms` less half a period.
+//! exact for the held command therefore *leads* the same lag driven by linearly interpolated commands by half a period:
+//! its low-frequency delay relative to the command sequence is `delay_ms` minus half a period.
 
 mod dynamics;
 mod load;

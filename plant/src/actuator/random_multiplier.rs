@@ -2,7 +2,7 @@
 
 use crate::random::Normal;
 
-/// `u_m += (1 + r) (u_c - u_m)` with `r` normal and `E[r] = -tau / (tau + dt)`: on average a lag of `tau` behind a ramp.
+/// `u_m += (1 + r) (u_c - u_m)` with normal `r` and `E[r] = -tau / (tau + dt)`: on average a ramp is `tau` late.
 #[derive(Clone, Debug)]
 pub struct RandomMultiplier {
     mean: f64,
@@ -52,7 +52,7 @@ mod tests {
             let steps = 400_000;
             let (mut lag, mut n) = (0.0, 0.0);
             for i in 1..=steps {
-                let ramp = f64::from(i) * H; // 1 m/s: the distance behind is the delay
+                let ramp = f64::from(i) * H; // 1 m/s: the lag in distance is the delay
                 let u = block.step(ramp);
                 if i > 1000 {
                     lag += ramp - u;

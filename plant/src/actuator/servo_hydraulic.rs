@@ -7,9 +7,9 @@
 //! piston    m x'' = p - R(x) - c x'
 //! ```
 //!
-//! At low frequency the closed loop lags by `(1 + K / ko) / kv`, `kv = kp vmax` and `K` the specimen's stiffness: the
-//! part `K / ko` is oil that is compressed instead of moving the piston. The control gain follows from the wanted delay.
-//! A loop whose gain the oil column or the valve makes unstable is refused (Routh).
+//! At low frequency the closed loop lags by `(1 + K / ko) / kv`, with `kv = kp vmax` and `K` the specimen's stiffness:
+//! the part `K / ko` is oil being compressed instead of moving the piston. The control gain follows from the wanted
+//! delay. A loop made unstable by the oil column or the valve is refused (Routh).
 
 use std::f64::consts::TAU;
 
@@ -54,8 +54,8 @@ impl Default for ServoSpec {
 }
 
 impl ServoSpec {
-    /// The actuator in small motion, `x' = A x + b u` with the states displacement, velocity, piston force, spool and
-    /// spool velocity, tuned to lag by `delay_s` behind the stiffness and mass of its specimen.
+    /// The actuator for small motions, `x' = A x + b u` with the states displacement, velocity, piston force, spool and
+    /// spool velocity, tuned to lag by `delay_s` with the stiffness and mass of its specimen.
     pub fn linear(
         &self,
         delay_s: f64,
@@ -117,7 +117,7 @@ impl ServoHydraulic {
         let oil_rad_s = TAU * check("oil_column_hz", spec.oil_column_hz, 5.0, 1000.0, "Hz")?;
         let oil_zeta = check("oil_column_zeta", spec.oil_column_zeta, 0.01, 1.0, "")?;
         let mass = specimen_mass + check("piston_mass_kg", spec.piston_mass_kg, 0.1, 1e6, "kg")?;
-        // Four-stage Runge-Kutta with a quarter radian a substep is good to 1e-5 of the fastest part.
+        // Four-stage Runge-Kutta with a quarter radian per substep is accurate to 1e-5 for the fastest part.
         let substeps = (step_s * valve_rad_s.max(oil_rad_s) / 0.25).ceil();
         let mut servo = Self {
             valve_rad_s,
@@ -157,7 +157,7 @@ impl ServoHydraulic {
         Ok(servo)
     }
 
-    /// From the next step on; the delay is positive.
+    /// Takes effect from the next step on; the delay is positive.
     pub(crate) fn set_delay(&mut self, delay_s: f64) {
         let compressed = self.specimen_stiffness / self.oil_stiffness;
         self.control_gain = (1.0 + compressed) / (delay_s * self.velocity_limit);

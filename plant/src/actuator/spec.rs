@@ -101,14 +101,14 @@ struct Axis {
     number: usize,
     delay_ms: f64,
     lag_ms: f64,
-    /// The longest delay, steps, that it will ever have.
+    /// The longest delay, steps, that it can ever have.
     longest_delay_steps: f64,
     jump: Option<Jump>,
     /// Damping ratio of a second-order axis.
     zeta: f64,
     /// Standard deviation of a random multiplier.
     deviation: f64,
-    /// What the specimen puts on it.
+    /// The specimen's stiffness as seen by the actuator.
     stiffness_n_per_m: f64,
     mass_kg: f64,
     rate_hz: f64,
@@ -116,7 +116,7 @@ struct Axis {
 }
 
 impl ActuatorSpec {
-    /// Transport delay and first-order lag of an axis, ms; `None` of a kind that is something else.
+    /// Transport delay and first-order lag of an axis, ms; `None` for other kinds.
     pub fn times_ms(&self, axis: usize) -> Option<[f64; 2]> {
         let own_ms = self.delay_ms.at(axis);
         match self.kind {
@@ -130,7 +130,7 @@ impl ActuatorSpec {
         }
     }
 
-    /// Changes delay and lag, ms, to the same on every axis; a kind that is something else stays what it is.
+    /// Changes delay and lag, ms, on every axis alike; other kinds stay unchanged.
     pub fn set_times_ms(&mut self, change: impl FnOnce([f64; 2]) -> [f64; 2]) {
         let Some([delay_ms, lag_ms]) = self.times_ms(0).map(change) else {
             return;
@@ -152,7 +152,7 @@ impl ActuatorSpec {
         }
     }
 
-    /// One actuator an axis. `stiffness_n_per_m` and `mass_kg` are what the specimen puts on each.
+    /// One actuator per axis. `stiffness_n_per_m` and `mass_kg` are the specimen's load on each.
     pub(crate) fn build(
         &self,
         stiffness_n_per_m: &[f64],
@@ -223,7 +223,7 @@ impl ActuatorSpec {
             .collect()
     }
 
-    /// A proportional loop without delay would have an infinite gain.
+    /// A proportional loop without delay would need an infinite gain.
     fn refuse_an_infinite_gain(&self, delay_ms: &[f64]) -> Result<(), RigError> {
         let beside = "beside plant.actuator.kind = \"servo_hydraulic\"";
         let later = self.delay_jump.iter().map(|jump| jump.delay_ms);
@@ -238,7 +238,7 @@ impl ActuatorSpec {
         Ok(())
     }
 
-    /// When the delay becomes another, and which.
+    /// Time and value of a change of delay.
     fn jump(&self, rate_hz: f64) -> Result<Option<Jump>, RigError> {
         let Some(jump) = self.delay_jump else {
             return Ok(None);
@@ -251,7 +251,7 @@ impl ActuatorSpec {
         }))
     }
 
-    /// What lies between the command and the motion of one axis.
+    /// The dynamics from command to motion of one axis.
     fn dynamics(&self, axis: &Axis) -> Result<Dynamics, RigError> {
         let step_s = 1.0 / axis.rate_hz;
         let delay_s = axis.delay_ms * 1e-3;
@@ -287,7 +287,7 @@ impl ActuatorSpec {
         })
     }
 
-    /// The largest transport delay, ms, of an axis with these times whose timing errors begin one after the other.
+    /// The largest transport delay, ms, of an axis with these times and timing errors that begin one after the other.
     ///
     /// # Errors
     /// A delay or a lag that would be negative or too large.
@@ -321,8 +321,8 @@ impl ActuatorSpec {
         Ok(most_ms)
     }
 
-    /// Delay and lag with the timing errors among the effects: in the actuator's own element where its kind has one, else
-    /// in a stage behind it.
+    /// Delay and lag including the timing errors among the effects: in the actuator's own element if its kind has one,
+    /// otherwise in a stage after it.
     fn timing(
         &self,
         delay_ms: f64,
@@ -362,7 +362,7 @@ impl ActuatorSpec {
         Ok((delay_ms, lag_ms))
     }
 
-    /// A parameter that would have no effect is a mistake; the ideal alone ignores all.
+    /// A parameter without effect is a mistake; only the ideal actuator ignores all.
     fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
         use ActuatorKind as Kind;
         let belongs = |name: &str, given: bool, kind: Kind, only: &str| {

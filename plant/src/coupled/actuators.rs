@@ -1,4 +1,4 @@
-//! Two actuators that feel each other: a 2 x 2 transfer function from commands to strokes.
+//! Two interacting actuators: a 2 x 2 transfer function from commands to strokes.
 
 use super::pair::{Pair, within};
 use crate::delay_line::DelayLine;
@@ -44,7 +44,7 @@ impl ActuatorPairSpec {
     /// Checks the numbers; `path` is that of the table.
     ///
     /// # Errors
-    /// The first number that is out of its range.
+    /// The first number out of range.
     pub fn check(&self, path: &str) -> Result<(), RigError> {
         let each = |name: &str, values: &[f64], most: f64, accepted: &str| {
             let least = if most == 1e4 { 1e-3 } else { 0.0 };
@@ -72,10 +72,10 @@ impl ActuatorPairSpec {
     }
 }
 
-/// Time is scaled by this angular frequency, so that the states of a column are of one size.
+/// Time is scaled by this angular frequency, so that the states of a column have similar magnitudes.
 const SCALE_RAD_PER_S: f64 = 100.0;
 
-/// One command's way to both strokes, with the command held over a sample.
+/// The path of one command to both strokes, with the command held over a sample.
 #[derive(Clone, Debug)]
 struct Column {
     late: Option<DelayLine>,
@@ -83,7 +83,7 @@ struct Column {
     outputs: [[f64; 4]; 2],
 }
 
-/// The product of polynomials in scaled time, from the constant up.
+/// The product of polynomials in scaled time, constant term first.
 fn product<const N: usize>(factors: &[[f64; 3]]) -> [f64; N] {
     let mut d = [0.0; N];
     d[0] = 1.0;
@@ -185,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Stroke `i` per command `j` at `hz`, as the formula has it.
+    /// Stroke `i` per command `j` at `hz`, by the formula.
     fn exact(s: &ActuatorPairSpec, i: usize, j: usize, hz: f64) -> nalgebra::Complex<f64> {
         let jw = nalgebra::Complex::new(0.0, TAU * hz);
         let one = nalgebra::Complex::new(1.0, 0.0);
@@ -207,7 +207,7 @@ mod tests {
                 let mut pair = ActuatorPair::new(&spec(), period);
                 let (mut re, mut im) = (0.0, 0.0);
                 for k in 0..2 * n {
-                    // A held command is half a sample late: it is sent by as much earlier.
+                    // A held command is half a sample late, so it is sent that much earlier.
                     let phase = TAU * hz * period * f64::from(k);
                     let y = pair.strokes_m()[i];
                     if k >= n {

@@ -19,7 +19,7 @@ impl CouplerSpec {
     /// Checks the geometry; `path` is that of the table.
     ///
     /// # Errors
-    /// A distance that is out of its range; pins on one line, which turn nothing.
+    /// A distance out of range; pins on one line, which cannot produce a rotation.
     pub fn check(&self, path: &str) -> Result<(), RigError> {
         for (name, pins) in [("pin_x_m", self.pin_x_m), ("pin_y_m", self.pin_y_m)] {
             for pin in pins {
@@ -43,12 +43,12 @@ impl CouplerSpec {
         [0, 1].map(|i| x + self.pin_x_m[i] * (theta.cos() - 1.0) - self.pin_y_m[i] * theta.sin())
     }
 
-    /// How each stroke changes with the rotation, m/rad: the arm of that actuator's force.
+    /// Change of each stroke with the rotation, m/rad: the arm of that actuator's force.
     pub fn arms_m(&self, theta: f64) -> Pair {
         [0, 1].map(|i| -self.pin_x_m[i] * theta.sin() - self.pin_y_m[i] * theta.cos())
     }
 
-    /// x (m) and rotation (rad) at strokes, by Newton's method from the linear answer.
+    /// x (m) and rotation (rad) at given strokes, by Newton's method from the linear solution.
     pub fn interface(&self, stroke_m: Pair) -> Pair {
         let mut theta = (stroke_m[1] - stroke_m[0]) / (self.pin_y_m[0] - self.pin_y_m[1]);
         let mut x = stroke_m[0] + self.pin_y_m[0] * theta;
@@ -59,7 +59,7 @@ impl CouplerSpec {
             let turn = (e0 - e1) / (arms[0] - arms[1]);
             theta += turn;
             x += e0 - arms[0] * turn;
-            // Strokes that no rotation has never settle: the loop that sees them trips on its tracking.
+            // Strokes that match no rotation never converge: the loop that sees them trips on its tracking.
             if turn.is_nan() || turn.abs() <= 1e-15 {
                 break;
             }
@@ -67,7 +67,7 @@ impl CouplerSpec {
         [x, theta]
     }
 
-    /// Forces of the actuators, N, whose resultant is a force along x (N) and a moment (N m), at a rotation.
+    /// Actuator forces, N, with the given resultant, a force along x (N) and a moment (N m), at a rotation.
     pub fn forces_n(&self, [along_x, moment]: Pair, theta: f64) -> Pair {
         let arms = self.arms_m(theta);
         let first = (moment - arms[1] * along_x) / (arms[0] - arms[1]);

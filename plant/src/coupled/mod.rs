@@ -13,8 +13,8 @@
 //! | [`CouplerSpec`] | strokes to x and rotation and back, forces to force and moment: exact at any rotation below a right angle |
 //! | [`CoupledSpecimen`] | mass, damping and stiffness for x and rotation, and springs that yield |
 //!
-//! Cross terms are those of the actuators under the specimen that they hold, as a measured transfer function has them:
-//! a specimen that is changed does not change them.
+//! Cross terms belong to the actuators with the specimen that they hold, as in a measured transfer function: changing
+//! the specimen does not change them.
 
 mod actuators;
 mod coupler;

@@ -1,11 +1,11 @@
-//! A value for each of the two, and that a value is in its range.
+//! A value for each of the two, and a range check.
 
 use crate::error::RigError;
 
 /// A value for each actuator, or for x and rotation.
 pub type Pair = [f64; 2];
 
-/// That `value` is finite and in `range`.
+/// Checks that `value` is finite and in `range`.
 pub(super) fn within(
     path: String,
     value: f64,

@@ -23,20 +23,20 @@ pub struct CoupledRigSpec {
     pub specimen: CoupledSpecimenSpec,
 }
 
-/// What one control period gives, an actuator each.
+/// The result of one control period, a value per actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoupledReading {
     /// Strokes as the converters deliver them, m.
     pub stroke_m: Pair,
     /// Forces as the converters deliver them, N.
     pub force_n: Pair,
-    /// Strokes as they are, m.
+    /// True strokes, m.
     pub true_stroke_m: Pair,
-    /// Where the interface is, m and rad.
+    /// True position of the interface, m and rad.
     pub true_interface: Pair,
-    /// What the specimen answers with, N and N m.
+    /// The specimen's response, N and N m.
     pub true_resultant: Pair,
-    /// Some converter is at a rail.
+    /// True if some converter is at a rail.
     pub at_rail: bool,
 }
 
@@ -55,7 +55,7 @@ impl CoupledRig {
     /// At rest at zero; a step takes `1 / rate_hz` s. The same seed repeats a test to the last bit.
     ///
     /// # Errors
-    /// The first value that is out of its range, by its path.
+    /// The first value out of range, by its path.
     pub fn new(
         spec: &CoupledRigSpec,
         coupler: &CouplerSpec,
@@ -67,7 +67,7 @@ impl CoupledRig {
         coupler.check("coupled.coupler")?;
         spec.actuators.check("plant.coupled.actuators")?;
         spec.specimen.check("plant.coupled.specimen")?;
-        // A converter's range of force, where none is given, is that of the stiffness in x.
+        // Without a given force range, a converter's range follows from the stiffness in x.
         let stiffness = [spec.specimen.stiffness[0][0].abs().max(1e-9); 2];
         let (none, _) = additions(&[], &stiffness, rate_hz, seed)?;
         Ok(Self {
@@ -80,7 +80,7 @@ impl CoupledRig {
         })
     }
 
-    /// One control period under held commands, m, sampled at its end. A command that is not finite is the one before.
+    /// One control period under held commands, m, sampled at its end. A non-finite command keeps the previous one.
     pub fn step(&mut self, command_m: Pair) -> CoupledReading {
         for (sent, command) in self.sent_m.iter_mut().zip(command_m) {
             if command.is_finite() {

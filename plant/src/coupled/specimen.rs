@@ -1,4 +1,4 @@
-//! What two coupled actuators move: mass, damping and stiffness for x and rotation, and springs that yield.
+//! The specimen of two coupled actuators: mass, damping and stiffness for x and rotation, and yielding springs.
 
 use super::pair::{Pair, within};
 use crate::error::RigError;
@@ -43,7 +43,7 @@ impl CoupledSpecimenSpec {
     /// Checks the numbers; `path` is that of the table.
     ///
     /// # Errors
-    /// A matrix that is not finite and symmetric; a spring's number that is out of its range.
+    /// A matrix that is not finite and symmetric; a spring's number out of range.
     pub fn check(&self, path: &str) -> Result<(), RigError> {
         for (name, m) in [
             ("stiffness", &self.stiffness),
@@ -83,7 +83,7 @@ pub struct CoupledSpecimen {
 }
 
 impl CoupledSpecimen {
-    /// At rest at zero, moved `rate_hz` times a second.
+    /// At rest at zero, with `rate_hz` samples per second.
     pub fn new(spec: &CoupledSpecimenSpec, rate_hz: f64) -> Self {
         let spring = |s: &SpringSpec| {
             let yields_m = 1e-3 * s.yield_mm;
@@ -97,7 +97,7 @@ impl CoupledSpecimen {
         }
     }
 
-    /// Force along x (N) and moment (N m) where x (m) and rotation (rad) have come to: positive where they resist.
+    /// Force along x (N) and moment (N m) at the new x (m) and rotation (rad): positive if they resist.
     pub fn step(&mut self, at: Pair) -> Pair {
         for (motion, at) in self.motion.iter_mut().zip(at) {
             motion.advance(at);
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// The way of the test: a translation and a rotation of two frequencies.
+    /// The test motion: a translation and a rotation of two frequencies.
     fn test_motion(k: u32, rate_hz: f64) -> Pair {
         let t = f64::from(k) / rate_hz;
         let begin = 1.0 - (-(3.0 * t).powi(4)).exp();
@@ -207,7 +207,7 @@ mod tests {
             springs: vec![spring],
         };
         let mut specimen = CoupledSpecimen::new(&alone, 1024.0);
-        // Stretched by 0.5 mm, then by 5: at 1 mm it gives 100 N for good.
+        // Stretched by 0.5 mm, then by 5: from 1 mm on it yields at 100 N.
         assert_eq!(specimen.step([0.0, 1e-3]), [50.0, 25.0]);
         assert_eq!(specimen.step([0.0, 10e-3]), [100.0, 50.0]);
     }

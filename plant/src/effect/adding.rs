@@ -1,4 +1,4 @@
-//! What each effect adds to an axis, and where.
+//! The additions of each effect to an axis, and their place.
 
 use super::additions::{Additions, ChannelAdditions};
 use super::catalogue::Effect;
@@ -15,15 +15,15 @@ use crate::specimen::bouc_wen::BoucWen;
 use crate::stage::{Drift, Friction, Play, SlipGap, Stage, WarmUp};
 use std::f64::consts::TAU;
 
-/// An effect on its way into the additions of one axis.
+/// An effect being added to the additions of one axis.
 pub(super) struct Adding<'a> {
     pub(super) to: &'a mut Additions,
     pub(super) given: &'a CheckedEffect,
-    /// The sensor that it is an error of.
+    /// The sensor whose error it is.
     pub(super) sensor: Option<Sensor>,
-    /// The noise that it may need.
+    /// Noise for effects that need it.
     pub(super) noise: Normal,
-    /// Of the storey.
+    /// The storey's stiffness.
     pub(super) stiffness_n_per_m: f64,
     pub(super) rate_hz: f64,
 }
@@ -156,7 +156,7 @@ impl Adding<'_> {
     fn friction(self, stribeck: Option<(f64, f64)>) {
         let sliding = self.either("error_mm", "force_n");
         let at_most = sliding * stribeck.map_or(1.0, |(rest_ratio, _)| rest_ratio);
-        // A displacement that is held back builds up while the actuator itself gets no further than its pre-sliding.
+        // A held-back displacement builds up while the actuator itself moves no further than its pre-sliding distance.
         let held_back_m = if self.is_actuators() { at_most } else { 0.0 };
         let presliding_m = self.milli("presliding_mm") + held_back_m;
         let friction = match stribeck {
@@ -197,7 +197,7 @@ impl Adding<'_> {
         self.to.forces.push(Added::Maxwell(damper));
     }
 
-    /// Stiffness that goes with the travel.
+    /// Stiffness that is lost with the travel.
     fn fatigue(self) {
         let lost = self.get("lost_share") * self.stiffness_n_per_m;
         let fatigue = Fatigue::new(lost, self.milli("travel_mm"));
@@ -240,12 +240,12 @@ impl Adding<'_> {
         self.given.get(name)
     }
 
-    /// A parameter in thousandths, in whole units.
+    /// A parameter in thousandths, converted to whole units.
     fn milli(&self, name: &str) -> f64 {
         self.given.milli(name)
     }
 
-    /// The parameter of a displacement, m, in the actuator channel, else that of a force, N.
+    /// The parameter of a displacement, m, in the actuator channel, otherwise that of a force, N.
     fn either(&self, milli: &str, force: &str) -> f64 {
         if self.is_actuators() {
             self.milli(milli)
@@ -263,7 +263,7 @@ impl Adding<'_> {
     }
 
     /// An error of scale or zero. In the actuator channel it is one of the true motion: the servo loop closes on the
-    /// same transducer that is read, and so hides the transducer's own, unless it is said to be the transducer's.
+    /// recorded transducer itself and so hides its error, unless the error is declared as the transducer's.
     fn scalar(self, stage: Stage) {
         if !self.is_actuators() {
             self.to.force.after_sensor.push(stage);
@@ -274,7 +274,7 @@ impl Adding<'_> {
         }
     }
 
-    /// Motion that is lost, before the specimen's displacement is read or after.
+    /// Lost motion, before the point where the specimen's displacement is read or after it.
     fn lost(self, stage: Stage) {
         if self.is_actuators() {
             self.to.motion.push(stage);

@@ -1,4 +1,4 @@
-//! Which axis of a rig each effect of a list is added to, and when.
+//! The axis of a rig to which each effect of a list is added, and when.
 
 use super::adding::Adding;
 use super::additions::Additions;
@@ -8,18 +8,18 @@ use super::spec::EffectSpec;
 use crate::error::{Accept, RigError};
 use crate::random::{Normal, Purpose};
 
-/// What begins to act on an axis while a test runs.
+/// An addition that begins during a test.
 #[derive(Clone, Debug)]
 pub(crate) struct Later {
-    /// When, s of the model from the start of the test.
+    /// Its beginning, s of the model from the start of the test.
     pub(crate) from_s: f64,
-    /// On which axis, from 0.
+    /// Its axis, from 0.
     pub(crate) axis: usize,
     pub(crate) added: Additions,
 }
 
-/// The additions to every axis from the start, and what begins later, in the order of time; `stiffness_n_per_m` is the
-/// specimen's, one a storey.
+/// The additions to every axis from the start, and the later ones in order of time; `stiffness_n_per_m` is the
+/// specimen's, one per storey.
 pub(crate) fn additions(
     effects: &[EffectSpec],
     stiffness_n_per_m: &[f64],
@@ -71,7 +71,7 @@ pub(crate) fn additions(
     Ok((axes, later))
 }
 
-/// True if the effect is a change of the storey's stiffness.
+/// True if the effect changes the storey's stiffness.
 fn needs_stiffness(effect: Effect) -> bool {
     use Effect::*;
     matches!(

@@ -1,33 +1,33 @@
-//! The list of effects: one entry a name.
+//! The list of effects: one entry per name.
 
 use super::row::{Channel, Family, Parameter, named};
 use crate::error::Accept;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is known of an effect.
+/// The description of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Its name.
     pub effect: Effect,
     /// Its family.
     pub family: Family,
-    /// Where it can show; the first where the rig is not told otherwise.
+    /// Channels in which it can show; the first is the default.
     pub channels: &'static [Channel],
-    /// What it is described by.
+    /// Its parameters.
     pub parameters: &'static [Parameter],
-    /// What happens, in a line.
+    /// Its physics, in one line.
     pub physics: &'static str,
 }
 
 impl Effect {
-    /// What is known of it.
+    /// Its description.
     pub fn entry(self) -> &'static Entry {
         &catalogue()[self as usize]
     }
 }
 
-/// The least size of what divides.
+/// The least accepted value of a divisor.
 const TINY: f64 = 1e-6;
 const BIG: f64 = 1e9;
 
@@ -70,9 +70,9 @@ macro_rules! one {
     };
 }
 
-// A row: the effect, its family, its channels (the first where a rig is not told otherwise), what happens. Then its
-// parameters: `@` the channel that it belongs to, where it is not in all, `=` what is taken where it is not given, the
-// accepted numbers, their unit, what it is.
+// A row: the effect, its family, its channels (the first is the default), its physics. Then its parameters: `@` the
+// channel that it belongs to, unless it is in all, `=` its default, if any, the accepted numbers, their unit, its
+// meaning.
 catalogue! {
     DelayError "delay_error" Timing [Actuator]
         "the transport delay is longer than declared" {

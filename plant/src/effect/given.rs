@@ -1,4 +1,4 @@
-//! The parameters of an effect as given, checked against the catalogue.
+//! The given parameters of an effect, checked against the catalogue.
 
 use super::catalogue::Effect;
 use super::row::Channel;
@@ -51,7 +51,7 @@ impl CheckedEffect {
         Ok(checked)
     }
 
-    /// Refuses a sensor that the effect cannot be an error of, and `frozen` beside another effect.
+    /// Refuses a sensor that cannot have this error, and `frozen` with another effect.
     fn sensor_fits(&self, spec: &EffectSpec, path: &str) -> Result<(), RigError> {
         use Effect::*;
         let refuse = |key: &str, found: String, accepted: &str| {
@@ -98,7 +98,7 @@ impl CheckedEffect {
         refuse("sensor", format!("{sensor:?}").to_lowercase(), accepted)
     }
 
-    /// Refuses an effect that has neither of two sizes, or both: it is one thing or the other.
+    /// Refuses an effect with neither of two sizes, or with both: they exclude each other.
     fn one_of(&self, one: &str, other: &str, path: &str) -> Result<(), RigError> {
         let given = [one, other].map(|name| self.get(name) > 0.0);
         if given[0] != given[1] {
@@ -114,7 +114,7 @@ impl CheckedEffect {
         Err(RigError::new(place, found, "one of the two above 0"))
     }
 
-    /// The channel that is asked for, or that a parameter belongs to, or the first.
+    /// The requested channel, or the one that a parameter belongs to, or the first.
     fn channel(spec: &EffectSpec, path: &str) -> Result<Channel, RigError> {
         let entry = spec.name.entry();
         if let Some(channel) = spec.channel
@@ -130,25 +130,25 @@ impl CheckedEffect {
         Ok(spec.shows_in())
     }
 
-    /// The value of a parameter that the catalogue has for this effect in this channel. A name that it has not is a
-    /// fault of this crate (every effect is built in the tests); it shows as NaN.
+    /// The value of a parameter that the catalogue has for this effect in this channel. An unknown name is a bug of
+    /// this crate (the tests build every effect); it shows as NaN.
     pub(crate) fn get(&self, name: &str) -> f64 {
         let found = self.values.iter().find(|(own, _)| *own == name);
         debug_assert!(found.is_some(), "no parameter {name}");
         found.map_or(f64::NAN, |(_, value)| *value)
     }
 
-    /// A parameter in thousandths (mm, ms), in SI.
+    /// A parameter in thousandths (mm, ms), converted to SI.
     pub(crate) fn milli(&self, name: &str) -> f64 {
         self.get(name) * 1e-3
     }
 }
 
 impl EffectSpec {
-    /// Checks that name, channel and parameters fit each other; `path` is where this is in its file.
+    /// Checks that name, channel and parameters match; `path` is the effect's place in its file.
     ///
     /// # Errors
-    /// A parameter that is missing, unknown or out of its range, by its name.
+    /// A parameter that is missing, unknown or out of range, by its name.
     pub fn check(&self, path: &str) -> Result<(), RigError> {
         CheckedEffect::new(self, path).map(drop)
     }

@@ -1,8 +1,8 @@
-//! Effects that a declared model may lack, by the names that the diagnosis answers with.
+//! Effects that a declared model may lack, by the names used in the diagnosis' answers.
 //!
 //! Any of them can be added to any rig, any number of times: `plant.effects = [{ name = "coulomb_friction", force_n = 20 }]`.
-//! What each of them is, in which channel and with which parameters, is in [`catalogue`]; an effect in the `actuator`
-//! channel shows between command and displacement, one in the `specimen` channel between displacement and force.
+//! [`catalogue`] has the physics, channels and parameters of each; an effect in the `actuator` channel shows between
+//! command and displacement, one in the `specimen` channel between displacement and force.
 
 mod adding;
 pub(crate) mod additions;

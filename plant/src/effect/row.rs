@@ -1,4 +1,4 @@
-//! What a row of the catalogue is made of.
+//! The parts of a catalogue row.
 
 use crate::error::Accept;
 use serde::{Deserialize, Serialize};
@@ -60,14 +60,14 @@ named! {
 /// A parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Name, ending with the unit where it has one.
+    /// Name, ending with the unit if it has one.
     pub name: &'static str,
-    /// The channel that it belongs to; none: to every channel of the effect.
+    /// The channel that it belongs to; `None`: every channel of the effect.
     pub channel: Option<Channel>,
-    /// Taken where it is not given; none: it must be.
+    /// Default value; `None`: it must be given.
     pub default: Option<f64>,
     /// Accepted values and their unit.
     pub accept: Accept,
-    /// What it is.
+    /// Its meaning.
     pub meaning: &'static str,
 }

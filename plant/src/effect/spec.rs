@@ -1,4 +1,4 @@
-//! An effect as a file names it.
+//! An effect as named in a file.
 
 use super::catalogue::Effect;
 use super::row::Channel;
@@ -57,7 +57,7 @@ const fn yes() -> bool {
 }
 
 impl EffectSpec {
-    /// `effect` with these parameters, in the channel that they belong to, on all axes.
+    /// `effect` with these parameters, in their channel, on all axes.
     ///
     /// ```
     /// use plant::{Effect, RigSpec};
@@ -84,7 +84,7 @@ impl EffectSpec {
         }
     }
 
-    /// The value of a parameter: as given, else the catalogue's default.
+    /// The value of a parameter: as given, otherwise the catalogue's default.
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let default = || {
             let mut known = self.name.entry().parameters.iter();
@@ -93,12 +93,12 @@ impl EffectSpec {
         self.parameters.get(name).copied().or_else(default)
     }
 
-    /// True if it is there from the start and is no error of a single sensor: what a model can declare.
+    /// True if it is present from the start and is not an error of a single sensor, so that a model can declare it.
     pub fn is_of_the_whole_test(&self) -> bool {
         self.from_s.is_none() && self.sensor.is_none()
     }
 
-    /// The channel that is asked for, that its sensor shows in, or that a parameter belongs to, or the first of the effect's.
+    /// The requested channel, or that of its sensor, or the one that a parameter belongs to, or the effect's first.
     pub fn shows_in(&self) -> Channel {
         let entry = self.name.entry();
         let mut given = entry
@@ -114,7 +114,7 @@ impl EffectSpec {
         asked.unwrap_or(entry.channels[0])
     }
 
-    /// The same in `channel`.
+    /// The same effect in `channel`.
     pub fn in_channel(self, channel: Channel) -> Self {
         Self {
             channel: Some(channel),

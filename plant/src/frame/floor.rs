@@ -11,7 +11,7 @@ pub(crate) struct Floor {
     pub(super) drift: Kinematics,
     pub(super) motion: Kinematics,
     pub(super) mass_kg: f64,
-    /// By what the floor falls short of where the actuator's dynamics would put it, m/N.
+    /// Shortfall of the floor from the position of the actuator's dynamics per force, m/N.
     pub(super) gives_m_per_n: f64,
     pub(super) shear_n: f64,
     pub(super) restoring_n: f64,
@@ -31,7 +31,7 @@ impl Floor {
         }
     }
 
-    /// What begins to act on it, in the next period.
+    /// Takes the effects that begin on it in the next period.
     pub(crate) fn begin(&mut self, added: Additions) {
         self.mass_kg += added.mass_kg;
         self.gives_m_per_n += added.droop_m_per_n + added.compliance_m_per_n;

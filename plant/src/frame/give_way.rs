@@ -1,20 +1,20 @@
-//! Where floors come to stand when what holds them gives way to the force.
+//! Equilibrium of floors whose supports give way to the force.
 //!
 //! Solved anew in every period, `x + g F(x) = wanted`: forces that depend on velocity or acceleration are far too stiff
-//! over a control period to be carried over from the last one. With a mass this is the mass on the spring `1 / g`,
+//! to be carried over from one control period to the next. With a mass this is the mass on the spring `1 / g`,
 //! integrated by Houbolt's method.
 
 use super::floor::Floor;
 
-/// Good to this, m.
+/// Tolerance, m.
 const TOLERANCE_M: f64 = 1e-13;
-/// Sweeps over the floors and steps within one: enough for contraction by a half each; stiff pairs take fewer.
+/// Sweeps over the floors, and steps within one: enough for contraction by a half each; stiff pairs take fewer.
 const MOST: usize = 60;
 
-/// Moves `at_m` from where the floors would be without a force to where they are.
+/// Moves `at_m` from the force-free positions of the floors to the true ones.
 pub(super) fn find_equilibrium(floors: &[Floor], at_m: &mut [f64]) {
     let wanted = at_m.to_vec();
-    // What the last period's motion leads to is close by.
+    // Continuing the last period's motion gives a close start.
     for (at, floor) in at_m.iter_mut().zip(floors) {
         if floor.gives_m_per_n > 0.0 {
             *at = floor.displacement_m() + floor.motion.increment_m();
@@ -58,8 +58,8 @@ fn trial_force(floors: &[Floor], at_m: &[f64], j: usize) -> f64 {
     shear(j) - above + floors[j].mass_kg * motion.acceleration_m_s2()
 }
 
-/// A root of `f`, whose slope is at least 1 (a force that resists): so it lies between `x` and `x - f(x)`. False position
-/// in Illinois' form; where a falling force makes the slope less, the best of [`MOST`] steps.
+/// A root of `f`, whose slope is at least 1 (a force that resists), so it lies between `x` and `x - f(x)`. False
+/// position in Illinois' form; if a falling force makes the slope less, the best of [`MOST`] steps.
 fn root(x: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let (mut a, mut fa) = (x, f(x));
     if fa.abs() < TOLERANCE_M {

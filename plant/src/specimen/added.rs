@@ -1,11 +1,11 @@
-//! Forces beside the specimen's own: what a bearing, a guide or a neighbour adds to a storey.
+//! Forces in parallel with the specimen's own: additions of a bearing, a guide or a neighbour to a storey.
 
 use super::bilinear::Bilinear;
 use super::bouc_wen::BoucWen;
 use crate::kinematics::Kinematics;
 use crate::stage::Friction;
 
-/// A force beside the storey's, a function of its drift.
+/// A force in parallel with the storey's, a function of its drift.
 #[derive(Clone, Debug)]
 pub(crate) enum Added {
     /// Dry friction.
@@ -22,11 +22,11 @@ pub(crate) enum Added {
     Softening(Power),
     /// `K x / (1 + (largest |x| so far / ref)^p) - K x`, and the largest so far, m.
     Degradation(Power, f64),
-    /// `-lost x w / (w + half)` where `w` is the way gone so far.
+    /// `-lost x w / (w + half)` where `w` is the travel so far.
     Fatigue(Fatigue),
     /// `d/2 K |x|`: stiffness `1 + d/2` one way, `1 - d/2` the other.
     Unequal(f64),
-    /// Yielding in place of elasticity: a bilinear element less the linear one.
+    /// Yielding instead of elasticity: a bilinear element minus the linear one.
     Bilinear(Bilinear, f64),
     /// The same with a smooth loop.
     BoucWen(BoucWen, f64),
@@ -40,7 +40,7 @@ pub(crate) struct Power {
     pub(crate) exponent: f64,
 }
 
-/// A stiffness that is lost with the way.
+/// A stiffness that is lost with travel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fatigue {
     lost_n_per_m: f64,
@@ -49,7 +49,7 @@ pub(crate) struct Fatigue {
 }
 
 impl Fatigue {
-    /// Fresh. In the end `lost_n_per_m` is gone, half of it after a way of `half_m`.
+    /// Fresh. Eventually `lost_n_per_m` is lost, half of it after a travel of `half_m`.
     pub(crate) fn new(lost_n_per_m: f64, half_m: f64) -> Self {
         Self {
             lost_n_per_m,
@@ -74,7 +74,7 @@ impl Power {
 }
 
 impl Added {
-    /// The same, beginning at the drift `at_m`: friction holds there.
+    /// The same, starting at the drift `at_m`, where friction holds.
     pub(crate) fn beginning_at(mut self, at_m: f64) -> Self {
         if let Self::Friction(friction) = &mut self {
             friction.move_to(at_m);
@@ -82,7 +82,7 @@ impl Added {
         self
     }
 
-    /// Force, N, in the motion of the storey.
+    /// Force, N, for the motion of the storey.
     #[inline]
     pub(crate) fn step(&mut self, drift: &Kinematics) -> f64 {
         let x = drift.displacement_m();
@@ -113,7 +113,7 @@ impl Added {
     }
 }
 
-/// `F' = k v - F / T`, exact where the velocity is constant over a period.
+/// `F' = k v - F / T`, exact if the velocity is constant over a period.
 #[derive(Clone, Debug)]
 pub(crate) struct Maxwell {
     keeps: f64,
@@ -174,7 +174,7 @@ mod tests {
         let storage = last.iter().map(|(t, _, f)| f * (w * t).sin()).sum::<f64>() / 250.0;
         let loss = last.iter().map(|(t, _, f)| f * (w * t).cos()).sum::<f64>() / 250.0;
         let (s, l) = (k * wt * wt / (1.0 + wt * wt), k * wt / (1.0 + wt * wt));
-        // The chords of the motion are half a period behind at most: (w dt)^2 / 12.
+        // The chords lag the motion by at most half a period: (w dt)^2 / 12.
         assert!((storage / s - 1.0).abs() < 1e-4, "{storage} {s}");
         assert!((loss / l - 1.0).abs() < 1e-4, "{loss} {l}");
     }
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn what_the_way_has_taken_stays_lost_and_a_rest_takes_nothing() {
         let fatigue = Added::Fatigue(Fatigue::new(0.6e5, 0.05));
-        // 20 mm out within half a second, as long a rest, and back through zero to -20 mm.
+        // 20 mm out within half a second, an equally long rest, and back through zero to -20 mm.
         let motion = |t: f64| 0.02 * ((2.0 * t).min(1.0) - (2.0 * t - 2.0).clamp(0.0, 2.0));
         for (t, x, f) in forces(fatigue, motion, 2.0) {
             let way = if t < 1.0 { x } else { 0.04 - x };

@@ -1,8 +1,8 @@
 //! Bilinear restoring force with kinematic hardening.
 
-/// An elastic-perfectly-plastic element beside a spring.
+/// An elastic-perfectly-plastic element in parallel with a spring.
 ///
-/// `R = a K x + (1 - a) K e`, the elastic deformation `e` follows `x` and stays within the yield displacement.
+/// `R = a K x + (1 - a) K e`; the elastic deformation `e` follows `x` and stays within the yield displacement.
 #[derive(Clone, Debug)]
 pub struct Bilinear {
     elastic_n_per_m: f64,
@@ -13,7 +13,7 @@ pub struct Bilinear {
 }
 
 impl Bilinear {
-    /// At rest at zero. `stiffness_n_per_m` is the initial one, `hardening_ratio` that after yield over it.
+    /// At rest at zero. `stiffness_n_per_m` is the initial one, `hardening_ratio` the one after yield relative to it.
     pub fn new(stiffness_n_per_m: f64, yield_m: f64, hardening_ratio: f64) -> Self {
         Self {
             elastic_n_per_m: (1.0 - hardening_ratio) * stiffness_n_per_m,
@@ -24,7 +24,7 @@ impl Bilinear {
         }
     }
 
-    /// Force, N, at the deformation `x` (m), reached from the last one monotonically: exact for any size of step.
+    /// Force, N, at the deformation `x` (m), reached monotonically from the last one: exact for any step size.
     #[inline]
     pub fn step(&mut self, x: f64) -> f64 {
         self.elastic_m = (self.elastic_m + x - self.at_m).clamp(-self.yield_m, self.yield_m);

@@ -1,4 +1,4 @@
-//! Bouc and Wen's smooth hysteresis.
+//! The smooth hysteresis of Bouc and Wen.
 
 /// `R = a K x + (1 - a) K uy z`, `uy dz/dx = 1 - |z|^n (beta sign(z dx) + 1 - beta)`.
 ///
@@ -14,13 +14,13 @@ pub struct BoucWen {
     z: f64,
 }
 
-/// Longest substep in units of the yield displacement; four-stage Runge-Kutta is then good to about 1e-6 of the force.
+/// Longest substep in yield displacements; four-stage Runge-Kutta is then accurate to about 1e-6 of the force.
 const SUBSTEP: f64 = 0.1;
-/// Way in yield displacements after which the hysteretic force has reached its limit to rounding.
+/// Travel in yield displacements after which the hysteretic force has reached its limit to rounding.
 const FARTHEST: f64 = 100.0;
 
 impl BoucWen {
-    /// At rest at zero. `sharpness` is the exponent n of the knee, `beta` the share of the loop (0.5: straight
+    /// At rest at zero. `sharpness` is the exponent n of the knee, `beta` the fraction of the loop (0.5: straight
     /// unloading).
     pub fn new(
         stiffness_n_per_m: f64,
@@ -40,9 +40,9 @@ impl BoucWen {
         }
     }
 
-    /// Force, N, at the deformation `x` (m), reached from the last one monotonically.
+    /// Force, N, at the deformation `x` (m), reached monotonically from the last one.
     pub fn step(&mut self, x: f64) -> f64 {
-        // Beyond this way z is at its limit, however far it goes on.
+        // Beyond this travel z is at its limit, however far it continues.
         let way = ((x - self.at_m) / self.yield_m).clamp(-FARTHEST, FARTHEST);
         // An exponent above 1 steepens the knee.
         let parts = (way.abs() * self.sharpness.max(1.0) / SUBSTEP)
@@ -51,7 +51,7 @@ impl BoucWen {
         let h = way / parts;
         let slope = |z: f64| {
             let share = self.beta * (z * h).signum() + 1.0 - self.beta;
-            // A power costs more than all the rest; 2 is the usual exponent.
+            // A power costs more than everything else; 2 is the usual exponent.
             let knee = if self.sharpness == 2.0 {
                 z * z
             } else {

@@ -1,4 +1,4 @@
-//! From deformation to restoring force: one element a storey.
+//! From deformation to restoring force: one element per storey.
 
 pub(crate) mod added;
 pub(crate) mod bilinear;

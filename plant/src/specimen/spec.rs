@@ -77,7 +77,7 @@ const DAMPING: Accept = Accept::new(0.0, 1e6, "N s/mm");
 const MASS: Accept = Accept::new(0.0, 1e9, "kg");
 
 impl SpecimenSpec {
-    /// The same without yielding; a dashpot stays one.
+    /// The same without yielding; a dashpot remains.
     pub fn elastic(&self) -> Self {
         if self.kind == SpecimenKind::Viscous {
             return self.clone();
@@ -90,10 +90,10 @@ impl SpecimenSpec {
         }
     }
 
-    /// Initial stiffness of every storey, N/m, where the structure's is `structure_n_per_m`.
+    /// Initial stiffness of every storey, N/m, for the structure's `structure_n_per_m`.
     ///
     /// # Errors
-    /// A stiffness that is out of its range, by its path.
+    /// A stiffness out of range, by its path.
     pub fn stiffness(&self, structure_n_per_m: &[f64]) -> Result<Vec<f64>, RigError> {
         match &self.stiffness_n_per_m {
             Some(own) => own.resolve(
@@ -112,7 +112,7 @@ impl SpecimenSpec {
             .resolve("plant.specimen.physical_mass_kg", axes, MASS)
     }
 
-    /// One element a storey, with the initial stiffness that [`SpecimenSpec::stiffness`] gave.
+    /// One element per storey, with the initial stiffness from [`SpecimenSpec::stiffness`].
     pub(crate) fn build(
         &self,
         stiffness_n_per_m: &[f64],
@@ -175,7 +175,7 @@ impl SpecimenSpec {
         Ok((0..axes).map(storey).collect())
     }
 
-    /// A parameter that would have no effect is a mistake.
+    /// A parameter without effect is a mistake.
     fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
         use SpecimenKind::{Bilinear, BoucWen};
         let belongs = |name: &str, given: bool, kinds: &[SpecimenKind], to: &str| {

@@ -6,7 +6,7 @@ use super::bouc_wen::BoucWen;
 use crate::kinematics::Kinematics;
 use crate::stage::Stages;
 
-/// Restoring force of one storey against its drift.
+/// Restoring force of one storey as a function of its drift.
 #[derive(Clone, Debug)]
 pub(super) enum Restoring {
     Linear { stiffness_n_per_m: f64 },
@@ -14,18 +14,18 @@ pub(super) enum Restoring {
     BoucWen(BoucWen),
 }
 
-/// One storey of the specimen: a spring of some kind, a dashpot and whatever else acts beside it.
+/// One storey of the specimen: a spring of some kind, a dashpot and everything in parallel with it.
 #[derive(Clone, Debug)]
 pub struct Storey {
     pub(super) restoring: Restoring,
     pub(super) damping_n_s_per_m: f64,
-    /// What becomes of the drift before it reaches the spring.
+    /// Stages that the drift passes before it reaches the spring.
     pub(super) deformation: Stages,
     pub(super) added: Vec<Added>,
 }
 
 impl Storey {
-    /// Storey shear, N, at the drift, m, and in the motion that `drift` holds.
+    /// Storey shear, N, at the drift, m, with the motion held in `drift`.
     #[inline]
     pub fn step(&mut self, drift: &Kinematics) -> f64 {
         match self.restoring {
@@ -37,20 +37,20 @@ impl Storey {
         }
     }
 
-    /// What begins in the next period, at the drift `at_m`.
+    /// Takes the effects that begin in the next period, at the drift `at_m`.
     pub(crate) fn begin(&mut self, deformation: Stages, forces: Vec<Added>, at_m: f64) {
         self.deformation.begin(deformation);
         self.added
             .extend(forces.into_iter().map(|force| force.beginning_at(at_m)));
     }
 
-    /// Nothing but spring and dashpot.
+    /// Spring and dashpot only.
     #[inline]
     fn is_plain(&self) -> bool {
         self.deformation.is_empty() && self.added.is_empty()
     }
 
-    /// Not inlined: most storeys are a spring, and what the others need in registers is dear.
+    /// Not inlined: most storeys are a spring, and the registers needed by the others are costly.
     #[inline(never)]
     fn answer(&mut self, drift: &Kinematics) -> f64 {
         let x = self.deformation.step(drift.displacement_m());

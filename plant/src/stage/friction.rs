@@ -1,9 +1,9 @@
-//! Dry friction: a slider that holds by a spring until it breaks away.
+//! Dry friction: a slider held by a spring until it breaks away.
 
 /// `f` follows the displacement over the pre-sliding distance up to the limit
-/// `g(v) = f_c + (f_s - f_c) exp(-(v / v_s)^2)`; Coulomb's with `f_s = f_c`.
+/// `g(v) = f_c + (f_s - f_c) exp(-(v / v_s)^2)`; Coulomb's if `f_s = f_c`.
 ///
-/// The unit of `f` is that of the limits: N for a force, m where a controlled actuator falls short by friction.
+/// The unit of `f` is that of the limits: N for a force, m for the shortfall of a controlled actuator by friction.
 #[derive(Clone, Debug)]
 pub struct Friction {
     sliding: f64,
@@ -15,8 +15,8 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Held at zero. `stribeck_m` is the Stribeck velocity times the sampling interval, m a period; `presliding_m` is
-    /// how far the sliding force takes to build up, m, more than 0.
+    /// Held at zero. `stribeck_m` is the Stribeck velocity times the sampling interval, m per period; `presliding_m` is
+    /// the distance over which the sliding force builds up, m, more than 0.
     pub fn new(sliding: f64, at_rest: f64, stribeck_m: f64, presliding_m: f64) -> Self {
         Self {
             sliding,
@@ -33,7 +33,7 @@ impl Friction {
         Self::new(force, force, 1.0, presliding_m)
     }
 
-    /// Held at `x_m`, without a force.
+    /// Held at `x_m`, without force.
     pub(crate) fn move_to(&mut self, x_m: f64) {
         (self.at_m, self.held) = (x_m, 0.0);
     }

@@ -1,6 +1,6 @@
-//! Play and slip: motion that goes in and does not come out.
+//! Play and slip: motion that is lost between input and output.
 
-/// Backlash: the output stands still until the input has crossed the play, then follows at its edge.
+/// Backlash: the output rests until the input has crossed the play, then follows at its edge.
 #[derive(Clone, Debug)]
 pub struct Play {
     half_m: f64,
@@ -8,7 +8,7 @@ pub struct Play {
 }
 
 impl Play {
-    /// A play of `width_m` in all, the output in its middle.
+    /// A play of `width_m` in total, with the output in its middle.
     pub fn new(width_m: f64) -> Self {
         Self {
             half_m: 0.5 * width_m,
@@ -32,14 +32,14 @@ impl Play {
 /// A bolted joint in series: it holds by friction up to a slip force, slips through the clearance of its hole, and bears.
 #[derive(Clone, Debug)]
 pub struct SlipGap {
-    /// Deformation of the spring behind at which the joint slips.
+    /// Deformation of the spring after it at which the joint slips.
     holds_m: f64,
     half_gap_m: f64,
     slipped_m: f64,
 }
 
 impl SlipGap {
-    /// Held in the middle of a clearance of `gap_m` in all; slips at the deformation `holds_m` of what it carries.
+    /// Held in the middle of a clearance of `gap_m` in total; slips at the deformation `holds_m` of its spring.
     pub fn new(holds_m: f64, gap_m: f64) -> Self {
         Self {
             holds_m,
@@ -48,7 +48,7 @@ impl SlipGap {
         }
     }
 
-    /// The deformation that is left for the spring behind the joint at the drift `x_m`.
+    /// The remaining deformation of the spring after the joint, at the drift `x_m`.
     #[inline]
     pub fn step(&mut self, x_m: f64) -> f64 {
         self.slipped_m = self

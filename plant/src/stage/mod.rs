@@ -1,4 +1,4 @@
-//! What can be put into the way of a displacement or of a signal: one number in, one number out, every control period.
+//! Elements in the path of a displacement or of a signal: one number in, one number out, every control period.
 
 mod friction;
 mod lost_motion;
@@ -13,7 +13,7 @@ use crate::lag::{FirstOrder, SecondOrder};
 use crate::random::Normal;
 use crate::sensor::Hum;
 
-/// One stage. Numbers are in SI units of the quantity that passes.
+/// One stage. Numbers are in SI units of the passing quantity.
 #[derive(Clone, Debug)]
 pub(crate) enum Stage {
     /// Transport delay.
@@ -22,7 +22,7 @@ pub(crate) enum Stage {
     Lag(FirstOrder),
     /// Second-order resonance.
     Resonance(SecondOrder),
-    /// First-order lag on the way down only, as of a piston with unequal areas.
+    /// First-order lag on the way down only, as in a piston with unequal areas.
     RetractLag(FirstOrder, f64),
     /// Multiplies.
     Gain(f64),
@@ -30,9 +30,9 @@ pub(crate) enum Stage {
     UnequalGain(f64),
     /// Adds.
     Offset(f64),
-    /// Adds what grows with time.
+    /// Adds an amount that grows with time.
     Drift(Drift),
-    /// Multiplies by what grows with time.
+    /// Multiplies by a gain that changes with time.
     WarmUp(WarmUp),
     /// Follows a reversal only after the play.
     Play(Play),
@@ -40,17 +40,17 @@ pub(crate) enum Stage {
     DeadZone(f64),
     /// Slips in a bolt hole.
     SlipGap(SlipGap),
-    /// Falls short by what friction holds back.
+    /// Falls short by the amount that friction holds back.
     Friction(Friction),
     /// Does not go beyond this, either way.
     Stop(f64),
-    /// Moves by no more than this in a period.
+    /// Moves by no more than this per period.
     Slew(f64, f64),
-    /// A sine.
+    /// Adds a sine.
     Hum(Hum),
     /// Rounds to multiples of this.
     Rounding(f64),
-    /// Stays where it was when it began.
+    /// Keeps the value at which it began.
     Held(Option<f64>),
     /// Adds white noise of this rms.
     Noise(Box<Normal>, f64),
@@ -93,8 +93,8 @@ impl Stage {
         }
     }
 
-    /// Begins while it is at `x`: what has a memory is at rest there. A delay holds its value until what goes in now comes
-    /// out.
+    /// Begins while the signal is at `x`: stages with memory are at rest there. A delay holds this value until new
+    /// input comes out.
     fn begin_at(&mut self, x: f64) {
         match self {
             Self::Delay(line) => line.fill(x),
@@ -123,11 +123,11 @@ impl Stage {
     }
 }
 
-/// Stages in a row, usually none.
+/// A series of stages, usually none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stages {
     all: Vec<Stage>,
-    /// How many of the last begin in the next period.
+    /// Number of final stages that begin in the next period.
     beginning: usize,
 }
 
@@ -136,7 +136,7 @@ impl Stages {
         self.all.push(stage);
     }
 
-    /// Puts `later` behind, at rest where the next period finds them.
+    /// Appends `later`, at rest where the next period finds them.
     pub(crate) fn begin(&mut self, later: Self) {
         self.beginning += later.all.len();
         self.all.extend(later.all);
@@ -155,7 +155,7 @@ impl Stages {
         self.pass(x)
     }
 
-    /// Not inlined: most channels have no stages, and what they would need in registers is dear.
+    /// Not inlined: most channels have no stages, and the registers that they would need are costly.
     #[inline(never)]
     fn pass(&mut self, x: f64) -> f64 {
         let settled = self.all.len() - std::mem::take(&mut self.beginning);

@@ -1,6 +1,6 @@
-//! What changes with the time of day rather than with the motion.
+//! Changes with the time of day rather than with the motion.
 
-/// Grows from zero at a given initial rate: for ever, or with a time constant towards `rate * time constant`.
+/// Grows from zero at a given initial rate: forever, or with a time constant towards `rate * time constant`.
 #[derive(Clone, Debug)]
 pub struct Drift {
     rate_per_s: f64,
@@ -8,7 +8,7 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// A time constant of 0 stands for a straight line.
+    /// A time constant of 0 means a straight line.
     pub fn new(rate_per_s: f64, time_constant_s: f64, step_s: f64) -> Self {
         Self {
             rate_per_s,
@@ -16,14 +16,14 @@ impl Drift {
         }
     }
 
-    /// How far it has drifted at the end of the next period.
+    /// The drift at the end of the next period.
     #[inline]
     pub fn step(&mut self) -> f64 {
         self.rate_per_s * self.grown.step()
     }
 }
 
-/// A gain that goes from 1 to `1 + change` with a time constant, as electronics or oil that warm up.
+/// A gain that goes from 1 to `1 + change` with a time constant, like electronics or oil warming up.
 #[derive(Clone, Debug)]
 pub struct WarmUp {
     change_per_s: f64,
@@ -31,7 +31,7 @@ pub struct WarmUp {
 }
 
 impl WarmUp {
-    /// The time constant is more than 0.
+    /// The time constant must exceed 0.
     pub fn new(change: f64, time_constant_s: f64, step_s: f64) -> Self {
         Self {
             change_per_s: change / time_constant_s,
@@ -46,7 +46,7 @@ impl WarmUp {
     }
 }
 
-/// Seconds, the later ones counting less: `T (1 - exp(-t / T))`, or `t` where T is 0.
+/// Seconds, with later ones counting less: `T (1 - exp(-t / T))`, or `t` if T is 0.
 #[derive(Clone, Debug)]
 struct GrowthTime {
     time_constant_s: f64,

@@ -19,7 +19,7 @@ const COUPLER: Coupler = Coupler {
     pin_x_m: [0.2667; 2],
     pin_y_m: [-0.127, 0.127],
 };
-/// Half of the structure's stiffness stands in the laboratory.
+/// Half of the structure's stiffness is in the laboratory.
 const SPECIMEN: Matrix<2> = [[104e3, 30e3], [30e3, 96e3]];
 
 fn structure() -> Structure<2> {
@@ -34,7 +34,7 @@ fn structure() -> Structure<2> {
     }
 }
 
-/// A whole test.
+/// The settings of a complete test.
 struct Settings {
     config: Config,
     coupled: CoupledSettings<2>,
@@ -98,7 +98,7 @@ fn shaking() -> [f32; POINTS] {
     })
 }
 
-/// The laboratory: actuators whose slow poles are 5 % off what is declared, and a linear specimen.
+/// The laboratory: actuators whose slow poles are 5 % off the declared ones, and a linear specimen.
 struct Laboratory {
     actuators: Forward,
     plant: Plant,
@@ -116,7 +116,7 @@ impl Laboratory {
         }
     }
 
-    /// Where the interface truly is, and the sample.
+    /// The true position of the interface, and the sample.
     fn step(&mut self, sent_m: &Pair) -> (Pair, Sample<2>) {
         let mut slopes = [[0.0; MAX_PARAMETERS]; 2];
         let (none, plant) = (Spreads::new(), &self.plant);
@@ -140,12 +140,12 @@ impl Laboratory {
     }
 }
 
-/// What the specimen answers with.
+/// The response of the specimen.
 fn answers(at: &Pair) -> Pair {
     core::array::from_fn(|i| SPECIMEN[i][0] as f32 * at[0] + SPECIMEN[i][1] as f32 * at[1])
 }
 
-/// The response with actuators that are where they are sent.
+/// The response with ideal actuators.
 fn ideal(ground: &GroundMotion<'_>, steps: usize, mut see: impl FnMut(usize, Pair)) {
     let k = Coefficients::new(&structure(), f64::from(PERIOD_S), 1.0).unwrap();
     let mut newmark = Newmark::at_rest();
@@ -159,7 +159,7 @@ fn ideal(ground: &GroundMotion<'_>, steps: usize, mut see: impl FnMut(usize, Pai
 
 const STEPS: usize = 4000;
 
-/// Largest ideal displacement, and largest difference of `targets` from it after sample `from`, of x and rotation.
+/// Largest ideal displacement, and largest difference of `targets` from it from sample `from` on, of x and rotation.
 fn differences(ground: &GroundMotion<'_>, targets: &[Pair; STEPS], from: usize) -> (Pair, Pair) {
     let (mut peak, mut error) = ([0.0_f32; 2], [0.0_f32; 2]);
     ideal(ground, STEPS, |i, u| {
@@ -211,7 +211,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
         assert!(error[j] < 0.01 * peak[j], "{error:?} of {peak:?}");
     }
 
-    // The same without it: commands are the strokes of the target.
+    // The same without the tracker: commands are the strokes of the target.
     let k = Coefficients::new(&structure(), f64::from(PERIOD_S), 1.0).unwrap();
     let (mut newmark, mut laboratory) = (Newmark::at_rest(), Laboratory::new());
     for (i, target) in targets.iter_mut().enumerate() {
@@ -226,7 +226,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
     assert!(error[0] > peak[0], "{error:?} of {peak:?}");
 }
 
-/// No emergency: the target slows down, and then it is over.
+/// No emergency stop: the target slows down, and the test ends.
 #[test]
 fn the_energy_error_ends_a_test_on_the_ramp() {
     let points = shaking();
@@ -302,7 +302,7 @@ fn every_interlock_acts_and_names_its_axis() {
     for (change, fault, axis) in limits {
         assert_eq!(trip(&change, &good), Some((fault, axis)));
     }
-    // The reading of one actuator jumps: of which limit is stricter, that one acts.
+    // The reading of one actuator jumps: whichever limit is stricter acts.
     let jump = |s: &mut Sample<2>| s.displacement_m[1] += 0.1;
     let loose: Change = |s| s.config.limits.tracking_m = Some(1.0);
     assert_eq!(trip(&as_is, &jump), Some((Fault::Tracking, 1)));
@@ -355,14 +355,14 @@ fn a_hold_stands_still_and_the_test_goes_on_where_it_stood() {
             _ => {}
         }
     }
-    // The actuators start from rest into a motion: what that makes of the structure dies out as its damping has it.
+    // The actuators start from rest into a motion: the resulting error dies out with the structure's damping.
     let (peak, error) = differences(&ground, &targets, 3000);
     for j in 0..2 {
         assert!(error[j] < 0.01 * peak[j], "{error:?} of {peak:?}");
     }
 }
 
-/// The gains are identified, too.
+/// Gains are identified, too.
 fn with_gains() -> Settings {
     let mut settings = settings();
     let gains = [(0, 0), (0, 1), (1, 0), (1, 1)];
@@ -371,7 +371,7 @@ fn with_gains() -> Settings {
     settings
 }
 
-/// Where a rig stood while its valves were shut: a model that learnt from it would take every gain for too large.
+/// A rig at rest with its valves shut: a model that learnt from it would overestimate every gain.
 #[test]
 fn nothing_is_learnt_of_actuators_whose_valves_are_shut() {
     const STANDS_M: Pair = [0.01, 0.01];
@@ -401,7 +401,7 @@ fn nothing_is_learnt_of_actuators_whose_valves_are_shut() {
     assert!(fastest_m.iter().all(|&m| m < 1e-4), "{fastest_m:?}");
 }
 
-/// Transducers that are 0.1 mm off, and a model of half of the structure that thinks for five seconds: a tenth of 1 mm would be the gain's.
+/// Transducers 0.1 mm off, and an external model that takes five seconds: a tenth of 1 mm would end up in the gains.
 #[test]
 fn nothing_is_learnt_of_a_rig_that_stands_at_its_target() {
     let settings = with_gains();

@@ -1,4 +1,4 @@
-//! What a hypothesis that stands out is called: which cause, on which side.
+//! What a clear hypothesis is called: which cause, on which side.
 
 use super::super::hypothesis::Hypothesis;
 use super::super::name::Cause;
@@ -10,7 +10,7 @@ use super::{
 use libm::sqrtf;
 
 impl Judge {
-    /// Names what is wrong between command and displacement. True if it is the actuator and no sensor.
+    /// Names the fault between command and displacement. True if it is the actuator and not a sensor.
     pub(super) fn name_actuator(&mut self, k: &Constants, best: &Hypothesis) -> bool {
         let mut only_actuator = true;
         for column in best.set() {
@@ -52,8 +52,8 @@ impl Judge {
         only_actuator
     }
 
-    /// Which sides are possible of a column between command and displacement: actuator, displacement transducer. A wrong
-    /// transducer makes the force look wrong as well, by as much; a wrong actuator does not.
+    /// The possible sides of a column between command and displacement: actuator, displacement transducer. A wrong
+    /// transducer makes the force look wrong by the same amount; a wrong actuator does not.
     fn sides(&self, k: &Constants, column: usize, value: f32) -> [bool; 2] {
         let slope = 1.0 / (1.0 + value) - 1.0;
         let (regression, column, half, implied, off) = match (column, self.elastic) {
@@ -88,15 +88,15 @@ impl Judge {
         }
     }
 
-    /// Names what is wrong between displacement and force.
+    /// Names the fault between displacement and force.
     pub(super) fn name_force(&mut self, k: &Constants, regression: usize, best: &Hypothesis) {
         let recent = self.is_recent(k);
-        // What looks like an offset and like friction at once is a specimen that has yielded.
+        // If it looks like an offset and like friction at once, the specimen has yielded.
         let looks_like = |column: usize| best.set().any(|c| c == column);
         let yields = looks_like(0) && looks_like(4);
         let yielded = || self.is_of_yielding(k, best);
         if regression == FORCE && (recent || yields || yielded()) {
-            // A specimen that has just gone further than ever, too: it may do what nobody declared.
+            // The same just after a new largest motion: the specimen may then do things that nobody declared.
             self.elastic = false;
             self.streaks[FORCE] = 0;
             self.answers.forget(FORCE);
@@ -118,9 +118,9 @@ impl Judge {
         }
     }
 
-    /// True if an offset, a friction or a mass is among the causes and no larger than what a specimen leaves behind that has yielded
-    /// by as much as its force fell short at the largest motion: set to the side to which it has yielded, a loop as wide as both, a
-    /// force less by as much at the turns.
+    /// True if an offset, a friction or a mass is among the causes and no larger than the trace left by a specimen that
+    /// has yielded by its shortfall of force at the largest motion: a set towards the yielded side, a loop as wide as
+    /// both, a force lower by as much at the turns.
     fn is_of_yielding(&self, k: &Constants, best: &Hypothesis) -> bool {
         let [up, down] = self.short;
         best.set().any(|column| {
@@ -136,8 +136,8 @@ impl Judge {
         })
     }
 
-    /// True if what explains it best is what a sound specimen may do: a stiffness that depends on the displacement, or one that
-    /// falls slowly or with the largest motion. Soon after a new largest motion it is enough that this explains it about as well.
+    /// True if the best explanation is normal for a sound specimen: a stiffness that depends on the displacement, or
+    /// falls slowly or with the largest motion. Soon after a new largest motion, explaining it about as well suffices.
     fn is_the_specimens_own(&self, regression: usize, best: &Hypothesis, recent: bool) -> bool {
         let own = |column: usize| {
             let softens = column == slope_of(regression)
@@ -148,7 +148,7 @@ impl Judge {
         own(best.column) || recent && best.set().any(own)
     }
 
-    /// True if the slope has fallen at once, and not with a new largest motion.
+    /// True if the slope has fallen suddenly, and not with a new largest motion.
     fn has_fallen(&self, regression: usize, best: &Hypothesis, recent: bool) -> bool {
         let column = slope_of(regression);
         let (theta, sd) = (best.answer.theta[column], best.answer.sd(column));
@@ -159,8 +159,8 @@ impl Judge {
         fallen && !recent
     }
 
-    /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
-    /// be either; one that falls slowly, or with the largest motion, is a specimen that degrades.
+    /// A slope that has risen is the load cell's: a specimen does not stiffen during unloading. One that has fallen
+    /// *suddenly* may be either; one that falls slowly, or with the largest motion, means a degrading specimen.
     fn name_slope(&mut self, k: &Constants, regression: usize, best: &Hypothesis, recent: bool) {
         let column = slope_of(regression);
         let half = match regression {

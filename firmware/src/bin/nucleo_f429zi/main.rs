@@ -1,4 +1,4 @@
-//! The image for the NUCLEO-F429ZI with its own converters of 12 bits.
+//! The image for the NUCLEO-F429ZI with its own 12-bit converters.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 // End of the four conversions.

@@ -1,5 +1,5 @@
-//! The NUCLEO-F429ZI with external converters of 16 bits: an AD7606 for the inputs, an AD5761R for the command, both -10 to
-//! +10 V. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
+//! The NUCLEO-F429ZI with external 16-bit converters: an AD7606 for the inputs, an AD5761R for the command, both -10 to
+//! +10 V. Everything else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
 //!
 //! # Wiring
 //! | signal | pin | connector | peripheral | level |
@@ -17,13 +17,13 @@
 //! | AD5761R LDAC | PD12 | CN10-21, D29 | TIM4 channel 1 | falls 60 us after the trigger: the command leaves; pull it up outside |
 //!
 //! # Timers
-//! TIM2's update is the trigger and starts TIM4, as with the chip's own converters. TIM2's channel 1 begins the control
-//! interrupt 6 us later: the AD7606 takes 4.15 us at most.
+//! TIM2's update is the trigger and starts TIM4, as with the chip's own converters. TIM2's channel 1 starts the control
+//! interrupt 6 us later: the AD7606 takes at most 4.15 us.
 //!
 //! # Start
-//! After power-up the AD5761R's output is clamped to ground, the middle of the stroke, until its range is chosen, and comes
-//! up in the middle then. When only the chip was reset it holds its voltage all the while: it is not set up again, and goes
-//! from there to the measured position. PERMIT is low in both cases.
+//! After power-up the AD5761R's output is clamped to ground, the middle of the stroke, until its range is selected;
+//! then it comes up in the middle. If only the chip was reset, the output holds its voltage throughout: it is not set
+//! up again, and moves from there to the measured position. PERMIT is low in both cases.
 
 use super::wiring::wired;
 use crate::chip::stm32::board::{Board, Wired};
@@ -42,7 +42,7 @@ use embassy_stm32::{Peri, Peripherals};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
-/// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
+/// The codes of this board, 0 at -10 V and the top at +10 V. A rail is 20 mV wide; limits leave half a volt free.
 pub(super) const CODES: CodeRange = CodeRange {
     sensor_top: u16::MAX,
     sensor_rail: 65,
@@ -65,7 +65,7 @@ pub struct External {
     further: [u16; MAX_INPUTS],
 }
 
-/// What external converters take of the chip, one actuator's or three's.
+/// The parts of the chip used for external converters, one actuator's or three's.
 pub struct Parts {
     pub spi1: Peri<'static, SPI1>,
     pub spi3: Peri<'static, SPI3>,
@@ -84,7 +84,7 @@ pub struct Parts {
     pub pf12: Peri<'static, PF12>,
 }
 
-/// The parts, of the peripherals `$p`.
+/// The parts, taken from the peripherals `$p`.
 macro_rules! external_parts {
     ($p:ident) => {
         $crate::board::nucleo_f429zi::external::Parts {
@@ -108,7 +108,7 @@ macro_rules! external_parts {
 }
 pub(super) use external_parts;
 
-/// What hangs on the parts, ready; the timers do not run yet.
+/// Everything connected to the parts, ready; the timers do not run yet.
 pub(super) struct Started<const W: usize> {
     pub(super) adc: Ad7606,
     /// Codes of a first conversion, if the converter answers.
@@ -121,9 +121,9 @@ pub(super) struct Started<const W: usize> {
 }
 
 impl Parts {
-    /// Converts by hand, and makes the output's bus ready.
+    /// Converts by hand, and prepares the output's bus.
     pub(super) fn start<const W: usize>(self) -> Started<W> {
-        // What is pulled up or down outside is so before a bus moves.
+        // External pull-ups and pull-downs must act before a bus moves.
         let select = Output::new(self.pd14, Level::High, Speed::VeryHigh);
         let bus = Bus::of_input(self.spi1, self.pa5, self.pa6);
         let reset = Output::new(self.pf12, Level::Low, Speed::Low);
@@ -145,7 +145,7 @@ impl Parts {
     }
 }
 
-/// The board with them.
+/// The board with external converters.
 pub struct WithExternal;
 
 impl Board for WithExternal {
@@ -168,7 +168,7 @@ impl Converters for External {
         Input::SecondDisplacement,
         Input::HeadAcceleration,
     ];
-    // Half a hundredth of the range, 100 mV: the errors of both converters are a fifth of it.
+    // 0.5 % of the range, 100 mV: the errors of both converters are a fifth of it.
     const READ_BACK_OFF: u16 = 328;
     // Twice that fifth, 40 mV.
     const READ_BACK_LEAST: u16 = 131;
@@ -176,7 +176,7 @@ impl Converters for External {
     const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     const LATEST_BEGIN_US: u32 = conversion::LATEST_BEGIN_US;
-    // Six words of 16 bits and three of 8 at 10.5 MHz, 13 us with their waiting loops, and what the board's own take.
+    // Six 16-bit and three 8-bit words at 10.5 MHz, 13 us with their waiting loops, plus the board's own work.
     const AROUND_STEP_CYCLES: u32 = 2600;
 
     fn new(
@@ -215,7 +215,7 @@ impl Converters for External {
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; 1]> {
-        // A converter that has not converted would only repeat itself.
+        // A converter that has not converted would only repeat its last result.
         if !conversion::conversion_has_ended() {
             return None;
         }

@@ -1,18 +1,18 @@
-//! The NUCLEO-F429ZI with three actuators: an AD7606 for displacements and forces, an AD5754R for the commands, both -10 to
-//! +10 V and 16 bits. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
+//! The NUCLEO-F429ZI with three actuators: an AD7606 for displacements and forces, an AD5754R for the commands, both
+//! -10 to +10 V and 16 bits. Everything else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
 //!
 //! # Wiring
-//! The pins are those of [one actuator](super::external); the AD5754R stands in the place of the AD5761R, on the same
-//! SCLK, SDO, SDI, SYNC and LDAC.
+//! The pins are those of [one actuator](super::external); the AD5754R replaces the AD5761R, on the same SCLK, SDO, SDI,
+//! SYNC and LDAC.
 //!
 //! | AD7606 | |
 //! |---|---|
 //! | V1, V2, V3 | displacements of actuators 1 to 3 |
 //! | V4, V5, V6 | forces |
 //! | V7 | second displacement of actuator 1 |
-//! | V8 | half of 3.3 V: a frame without it counts as none |
+//! | V8 | half of 3.3 V: a frame without it is rejected |
 //!
-//! | the chip's ADC2 | each behind an amplifier of gain 0.15 around 1.65 V |
+//! | the chip's ADC2 | each through an amplifier of gain 0.15 around 1.65 V |
 //! |---|---|
 //! | PA3 (CN9-1, A0), PC0 (CN9-3, A1), PC3 (CN9-5, A2) | commands of actuators 1 to 3, read back from the AD5754R's outputs A to C |
 //!
@@ -30,9 +30,9 @@
 //! ```
 //!
 //! # Start
-//! After power-up the AD5754R's outputs are clamped to ground, the middle of the stroke, until they get power, and come up
-//! there. When only the chip was reset they hold their voltages: it is not set up again, and goes from there to the measured
-//! positions. PERMIT is low in both cases.
+//! After power-up the AD5754R's outputs are clamped to ground, the middle of the stroke, until they are powered, and
+//! come up there. If only the chip was reset, they hold their voltages: it is not set up again, and moves from there to
+//! the measured positions. PERMIT is low in both cases.
 
 use super::external::{CODES, Parts as External, SPAN_V, external_parts};
 use super::wiring::wired;
@@ -61,7 +61,7 @@ pub struct ExternalThree {
     second_displacement: u16,
 }
 
-/// What they take of the chip.
+/// The parts of the chip that they use.
 pub struct Parts {
     pub external: External,
     pub adc2: Peri<'static, ADC2>,
@@ -70,7 +70,7 @@ pub struct Parts {
     pub pc3: Peri<'static, PC3>,
 }
 
-/// The board with them.
+/// The board with these converters.
 pub struct WithExternalThree;
 
 impl Board<OUTPUTS> for WithExternalThree {
@@ -100,15 +100,15 @@ impl Converters<OUTPUTS> for ExternalThree {
         Input::CommandReadBack(2),
         Input::SecondDisplacement,
     ];
-    // A fiftieth of the range, 400 mV: the resistors of three amplifiers.
+    // 2 % of the range, 400 mV: the resistors of three amplifiers.
     const READ_BACK_OFF: u16 = 1311;
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
-    // A step of two coupled actuators that finds 13 numbers of them out takes some 10 000 instructions: 110 us.
+    // A step of two coupled actuators that identifies 13 of their parameters takes some 10 000 instructions: 110 us.
     const LATE_OUTPUT_DELAY_US: u32 = 200;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     const LATEST_BEGIN_US: u32 = conversion::LATEST_BEGIN_US;
-    // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.
+    // Eight 16-bit and nine 8-bit words at 10.5 MHz, 22 us with their waiting loops, plus the board's own work.
     const AROUND_STEP_CYCLES: u32 = 4600;
 
     fn new(
@@ -154,7 +154,7 @@ impl Converters<OUTPUTS> for ExternalThree {
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; OUTPUTS]> {
-        // A converter that has not converted would only repeat itself.
+        // A converter that has not converted would only repeat its last result.
         if !conversion::conversion_has_ended() {
             return None;
         }
@@ -179,8 +179,8 @@ impl Converters<OUTPUTS> for ExternalThree {
     }
 }
 
-/// The command's code by that of the chip's own converter behind an amplifier of gain 0.15 around the middle of its range:
-/// 3.3 V in 4095 codes there, 20 V in 65536 here.
+/// Converts the reading of the chip's own converter, through an amplifier of gain 0.15 around mid-range, to the
+/// command's code: 3.3 V in 4095 codes there, 20 V in 65536 here.
 #[inline]
 fn read_back(code: u16) -> u16 {
     const CODES_IN_1000: i32 = (3.3 / 4095.0 / 0.15 / 20.0 * 65536.0 * 1000.0) as i32;

@@ -1,4 +1,4 @@
-//! The NUCLEO-F429ZI with the chip's own converters of 12 bits.
+//! The NUCLEO-F429ZI with the chip's own 12-bit converters.
 
 use super::wiring::wired;
 use crate::chip::stm32::board::{Board, Wired};
@@ -12,8 +12,8 @@ use embassy_stm32::{Peri, Peripherals};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
-/// The codes of this board: sensors are two conversions of 12 bits, added; ranks displacement, force, force, displacement
-/// have the same mean instant, so each channel's code is the sum of its pair.
+/// The codes of this board: sensor codes are the sum of two 12-bit conversions; the ranks displacement, force, force,
+/// displacement have the same mean instant for both channels.
 pub const CODES: CodeRange = CodeRange {
     sensor_top: TOP,
     sensor_rail: 8,
@@ -29,7 +29,7 @@ pub struct Internal {
     further_adc: FurtherAdc,
 }
 
-/// What they take of the chip.
+/// The parts of the chip that they use.
 pub struct Parts {
     pub adc1: Peri<'static, ADC1>,
     pub adc2: Peri<'static, ADC2>,
@@ -43,7 +43,7 @@ pub struct Parts {
     pub pc3: Peri<'static, PC3>,
 }
 
-/// The board with them.
+/// The board with these converters.
 pub struct WithInternal;
 
 impl Board for WithInternal {
@@ -77,22 +77,22 @@ impl Converters for Internal {
         Input::SecondDisplacement,
         Input::HeadAcceleration,
     ];
-    // A hundredth of the range: offset, gain and linearity of both converters.
+    // 1 % of the range: offset, gain and linearity of both converters.
     const READ_BACK_OFF: u16 = 41;
     const INPUT_SPAN_V: [f32; 2] = [0.0, 3.3];
     const OUTPUT_DELAY_US: u32 = 40;
-    // The four conversions take 13 us of it.
+    // Including 13 us for the four conversions.
     const BEGINS_US: u32 = 15;
-    // 13 of conversions, and room for the entry.
+    // 13 us of conversions, plus margin for the entry.
     const LATEST_BEGIN_US: u32 = 20;
-    // Some 110 instructions and two divisions, from a flash that is not in the cache.
+    // Some 110 instructions and two divisions, from flash that is not cached.
     const AROUND_STEP_CYCLES: u32 = 400;
 
     fn new(r: Parts, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> StartedConverters<Self> {
         let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
-        // Of a converter that does not answer: the first step will find its samples stale.
+        // If a converter does not answer, the first step will find its samples stale.
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
-        // SAFETY: the DAC drives the pin and ADC2 looks at it; both want it analogue and nothing else.
+        // SAFETY: the DAC drives the pin and ADC2 measures it; both need it analogue and nothing else.
         let command_pin = unsafe { r.pa4.clone_unchecked() };
         let command = DacOutput::new(r.dac1, r.pa4, standing(0, first[0]));
         let inputs = [
@@ -128,7 +128,7 @@ impl Converters for Internal {
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        // Codes of the command, and of sensors, which are of two conversions.
+        // Codes of the command (one conversion), and of sensors (sums of two).
         let [command, displacement, acceleration] = self.further_adc.codes();
         [command, 2 * displacement, 2 * acceleration, 0, 0]
     }

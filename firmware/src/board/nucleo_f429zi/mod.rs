@@ -1,4 +1,4 @@
-//! The NUCLEO-F429ZI (MB1137): every pin that an image uses, and what hangs on it.
+//! The NUCLEO-F429ZI (MB1137): every pin that an image uses, and what is connected to it.
 //!
 //! # Wiring
 //! | signal | pin | connector | peripheral | level |
@@ -9,10 +9,10 @@
 //! | second displacement | PC3 | CN9-5, A2 | ADC2 channel 13, rank 2; recorded only | 0 to 3.3 V |
 //! | head acceleration | PC2 | CN10-9, A7 | ADC2 channel 12, rank 3; recorded only | 0 to 3.3 V |
 //! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
-//! | PERMIT pulse | PE14 | CN10-28, D38 | output | turns over in every step with PERMIT: for a relay that falls when the pulses stop |
-//! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: the contact of what hangs on PERMIT is closed; without one, a bridge to PE9 |
+//! | PERMIT pulse | PE14 | CN10-28, D38 | output | toggles in every step with PERMIT: for a relay that needs pulses |
+//! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: chain closed; if there is none, bridge to PE9 |
 //! | emergency stop | PE11 | CN10-6, D5 | input with pull-up | low: closed contact to ground; high: pressed, or a broken wire |
-//! | step | PE13 | CN10-10, D3 | output | high from the interrupt's begin until the command is in the converter: for a scope |
+//! | step | PE13 | CN10-10, D3 | output | for a scope: high from interrupt entry until the command is written |
 //! | hold | PC13 | on the board | input | the blue button: high while pressed; holds a running test |
 //! | LD1 green | PB0 | on the board | output | see `docs/wiring.md` |
 //! | LD2 blue | PB7 | on the board | output | PERMIT |
@@ -23,10 +23,10 @@
 //! | nothing | PA12 | CN13 | held low: reading flash bank 2 needs it on chips before revision 3 | leave USB OTG unplugged |
 //!
 //! # Timers
-//! | timer | does |
+//! | timer | function |
 //! |---|---|
 //! | TIM2 | the control period: its update starts the four injected conversions of ADC1 and the three of ADC2 |
-//! | TIM4 | one pulse behind each update of TIM2: its compare hands the command to the DAC's output |
+//! | TIM4 | one pulse after each update of TIM2: its compare hands the command to the DAC's output |
 //! | TIM3 | embassy's time, 1 us, 16 bits |
 //!
 //! # One control period

@@ -1,4 +1,4 @@
-//! What is the same with all converters: interrupts and their priorities, PERMIT for the ways out, the port to the PC, pins.
+//! Common to all converters: interrupts and their priorities, PERMIT for the ways out, the port to the PC, pins.
 
 use crate::chip::stm32::BACKGROUND;
 use embassy_stm32::gpio::{Flex, Speed};
@@ -18,7 +18,7 @@ bind_interrupts!(
     }
 );
 
-/// Puts embassy's interrupts, whose default is the highest priority, below the control interrupt's.
+/// Lowers embassy's interrupts, by default at the highest priority, below the control interrupt.
 pub fn lower_priorities() {
     interrupt::TIM3.set_priority(BACKGROUND);
     interrupt::USART3.set_priority(BACKGROUND);
@@ -27,8 +27,8 @@ pub fn lower_priorities() {
     interrupt::FLASH.set_priority(BACKGROUND);
 }
 
-/// For the ways out, which may use nothing else: the register that drops PERMIT, port E's BSRR, and what is written there, the
-/// reset of pin 9.
+/// For the ways out, which may use nothing else: the register that drops PERMIT, port E's BSRR, and the value to write,
+/// the reset of pin 9.
 pub const PERMIT_REGISTER: u32 = 0x4002_1018;
 /// See [`PERMIT_REGISTER`].
 pub const PERMIT_RESET: u32 = 1 << (16 + 9);
@@ -56,7 +56,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// At the link's rate.
+    /// Opens it at the link's rate.
     pub fn open(self) -> Uart<'static, Async> {
         let mut config = Config::default();
         config.baudrate = link::BAUD;
@@ -73,7 +73,7 @@ impl Serial {
     }
 }
 
-/// What is the same with all converters, of the peripherals `$p`.
+/// The parts common to all converters, from the peripherals `$p`.
 macro_rules! wired {
     ($p:ident, $parts:expr) => {{
         use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
@@ -102,7 +102,7 @@ macro_rules! wired {
             watchdog: $p.IWDG,
             converters: $parts,
         };
-        // See the wiring: what reading the second bank of the flash needs on early chips.
+        // See the wiring: required on early chips for reading the second bank of the flash.
         core::mem::forget(Output::new($p.PA12, Level::Low, Speed::Low));
         wired
     }};

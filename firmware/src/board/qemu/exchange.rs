@@ -1,4 +1,4 @@
-//! The PC as the board's port and converters: commands and samples come from its pipe, replies and commands go into it.
+//! The PC as the board's port and converters: commands and samples come from its pipe, replies and commands go to it.
 
 use super::semihosting::{self, File, HostGone};
 use crate::session::{Malformed, Message, PeriodReply, PeriodRequest, SessionAccount};
@@ -14,7 +14,7 @@ impl From<Malformed> for HostGone {
     }
 }
 
-/// What a session begins with; the command that brought it waits for its reply.
+/// The start of a session; the command that brought it still awaits its reply.
 pub struct Begin {
     /// Number of that command.
     pub request: u16,
@@ -38,7 +38,7 @@ impl Exchange {
     /// Opens the pipe.
     ///
     /// # Errors
-    /// The host does not give its standard input and output away.
+    /// The host does not grant access to its standard input and output.
     pub fn open() -> Result<Self, HostGone> {
         Ok(Self {
             from_pc: File::open(c"/dev/stdin", semihosting::Mode::Read)?,
@@ -48,10 +48,10 @@ impl Exchange {
         })
     }
 
-    /// Waits for a command; gives its number.
+    /// Waits for a command; returns it with its number.
     ///
     /// # Errors
-    /// The PC has gone.
+    /// The PC has disappeared.
     pub fn command(&mut self) -> Result<(u16, Command), HostGone> {
         loop {
             let mut byte = [0; 1];
@@ -67,10 +67,10 @@ impl Exchange {
         }
     }
 
-    /// Answers the command of this number.
+    /// Answers the command with this number.
     ///
     /// # Errors
-    /// The PC has gone.
+    /// The PC has disappeared.
     pub fn reply(&mut self, request: u16, reply: Reply) -> Result<(), HostGone> {
         let answer = NumberedReply { request, reply };
         let wire = answer.encode(self.replies).map_err(|_| HostGone)?;
@@ -78,10 +78,10 @@ impl Exchange {
         self.to_pc.write(&wire)
     }
 
-    /// Takes a ground motion into `memory`, m/s^2, until the configuration comes behind it.
+    /// Receives a ground motion into `memory`, m/s^2, until the configuration follows.
     ///
     /// # Errors
-    /// The PC has gone.
+    /// The PC has disappeared.
     pub fn begin(&mut self, memory: &mut [f32]) -> Result<Begin, HostGone> {
         let (mut upload, mut whole) = (None, None);
         loop {
@@ -126,10 +126,10 @@ impl Exchange {
         }
     }
 
-    /// Waits for the next order, its sample and whether a command follows; `None` at the end of the session.
+    /// Waits for the next order: whether a command follows, and the sample; `None` at the end of the session.
     ///
     /// # Errors
-    /// The PC has gone or the order means nothing.
+    /// The PC has disappeared or the order is invalid.
     pub fn period<const N: usize>(&mut self) -> Result<Option<(bool, Sample<N>)>, HostGone> {
         let mut bytes = Message::new();
         bytes
@@ -142,10 +142,10 @@ impl Exchange {
         })
     }
 
-    /// What the order came to.
+    /// The result of the order.
     ///
     /// # Errors
-    /// The PC has gone.
+    /// The PC has disappeared.
     pub fn output<const N: usize>(
         &mut self,
         output: &PeriodReply<N>,
@@ -157,7 +157,7 @@ impl Exchange {
     /// Closes the session.
     ///
     /// # Errors
-    /// The PC has gone.
+    /// The PC has disappeared.
     pub fn end(&mut self, summary: &SessionAccount) -> Result<(), HostGone> {
         self.to_pc.write(&summary.encode())
     }

@@ -1,4 +1,4 @@
-//! What the image for `netduinoplus2` does: one session with the PC over the emulator's standard input and output.
+//! The image for `netduinoplus2`: one session with the PC over the emulator's standard input and output.
 
 use super::{Begin, Exchange, HostGone, SysTick, exit};
 use crate::chip::stack::HighWater;
@@ -11,10 +11,10 @@ use link::{Command, MAX_ACTUATORS};
 use outerloop_core::watch::{Seen, steps_in_block};
 use outerloop_core::{Design, GroundMotion, OuterLoop, Record};
 
-/// The longest ground motion: what the emulated machine's memory leaves room for.
+/// The longest ground motion that fits in the emulated machine's memory.
 pub const MAX_POINTS: usize = 14_000;
 
-/// One session, to its end; `memory` is for the ground motion.
+/// Runs one session to its end; `memory` is for the ground motion.
 pub fn main(memory: &mut [f32]) -> ! {
     exit(match session(memory) {
         Ok(()) => 0,
@@ -105,7 +105,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         hash = step.record.hash(hash);
         let sent_m = step.record.sent_m;
         pc.output(&output, step.record)?;
-        // As on a board: the interrupt's part behind the command, then the tasks'.
+        // As on a board: first the interrupt's part, after the command, then the tasks'.
         let watched = pass_on(&mut outer, sent_m, &mut from_watch);
         let mut seen = [Seen::default(); MAX_ACTUATORS];
         for (place, seen) in seen.iter_mut().zip(outer.seen()) {

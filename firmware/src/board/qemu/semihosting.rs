@@ -1,19 +1,19 @@
-//! Files of the host for an image that runs in QEMU, by ARM's semihosting calls.
+//! Host files for an image that runs in QEMU, by ARM's semihosting calls.
 //!
 //! # Limitations
-//! On hardware without a debugger the breakpoint is a fault: nothing of this is in an image that is flashed.
+//! On hardware without a debugger the breakpoint is a fault: no flashed image contains any of this.
 
 use core::arch::asm;
 use core::ffi::CStr;
 
-/// The PC has gone, or talks of something else.
+/// The PC has disappeared, or sent something unexpected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostGone;
 
 /// A file of the host.
 pub struct File(usize);
 
-/// What a file is opened for: the numbers of C's `fopen` modes.
+/// Access mode of a file: the numbers of C's `fopen` modes.
 #[derive(Clone, Copy)]
 #[repr(usize)]
 pub enum Mode {
@@ -29,11 +29,11 @@ const SYS_READ: usize = 0x06;
 const SYS_EXIT_EXTENDED: usize = 0x20;
 const APPLICATION_EXIT: usize = 0x2_0026;
 
-/// One semihosting call; `arguments` as ARM's specification lists them for `operation`.
+/// One semihosting call; `arguments` as listed in ARM's specification for `operation`.
 fn call(operation: usize, arguments: &[usize]) -> usize {
     let result;
-    // SAFETY: BKPT 0xAB is the semihosting trap on M-profile cores; the callers below pass blocks that
-    // live through the call and lengths that are those of their buffers.
+    // SAFETY: BKPT 0xAB is the semihosting trap on M-profile cores; the callers below pass blocks that outlive the call
+    // and the lengths of their buffers.
     unsafe {
         asm!(
             "bkpt 0xAB",
@@ -65,11 +65,11 @@ impl File {
     /// Fills `buffer`.
     ///
     /// # Errors
-    /// The file ended before.
+    /// The file ended early.
     pub fn read(&mut self, buffer: &mut [u8]) -> Result<(), HostGone> {
         let mut rest = buffer;
         while !rest.is_empty() {
-            // The call returns how many bytes it did not read.
+            // The call returns the number of bytes not read.
             let missing = call(SYS_READ, &[self.0, rest.as_mut_ptr().addr(), rest.len()]);
             let filled = rest.len().checked_sub(missing).filter(|&n| n > 0);
             rest = rest.get_mut(filled.ok_or(HostGone)?..).ok_or(HostGone)?;
@@ -80,7 +80,7 @@ impl File {
     /// Writes all of `bytes`.
     ///
     /// # Errors
-    /// The host took less.
+    /// The host accepted less.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), HostGone> {
         match call(SYS_WRITE, &[self.0, bytes.as_ptr().addr(), bytes.len()]) {
             0 => Ok(()),

@@ -1,7 +1,7 @@
 //! SysTick as a stopwatch.
 //!
-//! Under `-icount` the emulated clock advances by a fixed time with every instruction, so that this counts
-//! instructions; [`SysTick::ticks_per_1024_instructions`] measures by how much.
+//! Under `-icount` the emulated clock advances by a fixed time per instruction, so this counts instructions;
+//! [`SysTick::ticks_per_1024_instructions`] measures the ratio.
 
 use core::arch::asm;
 use core::sync::atomic::{Ordering, compiler_fence};
@@ -23,12 +23,12 @@ impl SysTick {
         Self
     }
 
-    /// Ticks that 1024 instructions take, and those that a measurement of nothing takes.
+    /// Ticks of 1024 instructions, and those of an empty measurement.
     #[inline(never)]
     pub fn ticks_per_1024_instructions(&self) -> (u32, u32) {
         let begin = self.now();
         let nothing = self.now();
-        // SAFETY: 1024 instructions that do nothing.
+        // SAFETY: 1024 instructions without effect.
         unsafe { asm!(".rept 1024", "nop", ".endr", options(nomem, nostack)) };
         let end = self.now();
         let overhead = Self::between(begin, nothing);
@@ -44,7 +44,7 @@ impl SysTick {
     /// The counter.
     #[inline]
     pub fn now(&self) -> u32 {
-        // What was written before is done before the clock is read, and the other way round.
+        // Earlier writes complete before the clock is read, and vice versa.
         compiler_fence(Ordering::SeqCst);
         let ticks = SYST::get_current();
         compiler_fence(Ordering::SeqCst);

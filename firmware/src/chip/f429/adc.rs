@@ -1,5 +1,5 @@
-//! The chip's converters of 12 bits, whose injected conversions the sampling timer's update starts: ADC1 for displacement and
-//! force, ADC2 for what is recorded beside them.
+//! The chip's 12-bit converters, with injected conversions started by the sampling timer's update: ADC1 for
+//! displacement and force, ADC2 for additionally recorded channels.
 
 use cortex_m::peripheral::DWT;
 use embassy_stm32::adc::{Adc, AdcChannel, AnyAdcChannel, Exten, InjectedAdc, SampleTime};
@@ -8,10 +8,10 @@ use embassy_stm32::peripherals::{ADC1, ADC2};
 use embassy_stm32::triggers::TIM2_TRGO;
 use embassy_stm32::{Peri, PeripheralType, interrupt, pac, rcc};
 
-/// The sum of two conversions of 12 bits.
+/// The sum of two 12-bit conversions.
 pub const TOP: u16 = 2 * 4095;
 
-/// Cycles that a first conversion of four may take: 13 us, and much more.
+/// Cycles allowed for a first set of four conversions: 13 us, with a large margin.
 const FIRST_SAMPLE_CYCLES: u32 = 100_000;
 
 /// Displacement and force.
@@ -43,7 +43,7 @@ impl Sensors {
         Self(Adc::new(adc).setup_injected_conversions(ranks, TIM2_TRGO, Exten::RISING_EDGE, true))
     }
 
-    /// A sample by request, before the timer runs. `None`: the converter does not answer.
+    /// A sample on request, before the timer runs. `None`: the converter does not answer.
     pub fn first(&mut self) -> Option<[u16; 2]> {
         pac::ADC1.cr2().modify(|w| w.set_jswstart(true));
         let begin = DWT::cycle_count();
@@ -57,12 +57,12 @@ impl Sensors {
         codes
     }
 
-    /// Switches its interrupt on, with the highest priority.
+    /// Enables its interrupt, with the highest priority.
     ///
     /// # Safety
-    /// What its handler uses has been put in place.
+    /// Everything its handler uses must be in place.
     pub unsafe fn enable_interrupt() {
-        // No conversion has been asked for: one that stands here is none of the timer's.
+        // No conversion has been requested: a flag set here does not come from the timer.
         pac::ADC1.sr().modify(|w| w.set_jeoc(false));
         interrupt::ADC.unpend();
         interrupt::ADC.set_priority(Priority::P0);
@@ -70,12 +70,12 @@ impl Sensors {
         unsafe { interrupt::ADC.enable() };
     }
 
-    /// The converter is on, and TIM2's update starts its four conversions.
+    /// True if the converter is on, and TIM2's update starts its four conversions.
     pub fn is_set_up(&self) -> bool {
         injected_by_tim2(pac::ADC1, 4)
     }
 
-    /// The sample that has just been converted; `None` if there is none.
+    /// The sample just converted; `None` if there is none.
     #[inline]
     pub fn codes(&mut self) -> Option<[u16; 2]> {
         let fresh = pac::ADC1.sr().read().jeoc();
@@ -87,8 +87,8 @@ impl Sensors {
 /// Inputs of the further converter.
 pub const FURTHER: usize = 3;
 
-/// The converter is on, and TIM2's update starts so many injected conversions of it. The three converters of the chip have one
-/// reset bit: one that is set up may be reset with the next.
+/// True if the converter is on, and TIM2's update starts this many injected conversions. The chip's three converters
+/// share one reset bit: setting up one may reset another.
 fn injected_by_tim2(adc: pac::adc::Adc, conversions: u32) -> bool {
     const ON: u32 = 1;
     // JEXTSEL 3, TIM2_TRGO, and JEXTEN 1, its rising edge.
@@ -98,15 +98,15 @@ fn injected_by_tim2(adc: pac::adc::Adc, conversions: u32) -> bool {
     adc.cr2().read().0 & MASK == ON | STARTED && ranks + 1 == conversions
 }
 
-/// The further converter, ADC2: what is recorded beside the control path, converted with the sample.
+/// The further converter, ADC2: recorded channels outside the control path, converted with the sample.
 pub struct FurtherAdc(());
 
 impl FurtherAdc {
     /// Ready for TIM2, which does not run yet. The inputs are converted in their order.
     pub fn new(adc: Peri<'static, ADC2>, inputs: [AnyAdcChannel<'static, ADC2>; FURTHER]) -> Self {
-        // The registers that the converters share, with the divider of their clock, have ADC1's.
+        // Enables the registers shared by the converters, including their clock divider, through ADC1.
         rcc::enable_and_reset::<ADC1>();
-        // As slow as the sensors, so that the same sources settle: 9.7 us for all three, and nobody waits for them.
+        // As slow as the sensors, so that equal sources settle: 9.7 us for all three, and nobody waits for them.
         let ranks = inputs.map(|input| (input, SampleTime::CYCLES56));
         let injected =
             Adc::new(adc).setup_injected_conversions(ranks, TIM2_TRGO, Exten::RISING_EDGE, false);
@@ -114,12 +114,12 @@ impl FurtherAdc {
         Self(())
     }
 
-    /// The converter is on, and TIM2's update starts its conversions.
+    /// True if the converter is on, and TIM2's update starts its conversions.
     pub fn is_set_up(&self) -> bool {
         injected_by_tim2(pac::ADC2, FURTHER as u32)
     }
 
-    /// The codes of the latest conversions, 0 to 4095; to be asked for at least 10 us after the sample.
+    /// The codes of the latest conversions, 0 to 4095; valid from 10 us after the sample.
     #[inline]
     pub fn codes(&self) -> [u16; FURTHER] {
         core::array::from_fn(|rank| pac::ADC2.jdr(rank).read().jdata())

@@ -1,9 +1,8 @@
-//! 168 MHz from the ST-LINK's 8 MHz, and what happens if they are not 8 MHz.
+//! 168 MHz from the ST-LINK's 8 MHz, and what happens if the latter is wrong.
 //!
-//! All rates of a test hang on the external clock. Before it is used it is compared with the chip's own 16 MHz (1 %),
-//! by way of a third clock that both are counted against: how long the independent watchdog's 32 kHz takes to accept a
-//! new reload value. A board whose external clock is missing or wrong runs from its own, answers the PC, and cannot be
-//! armed.
+//! All rates of a test depend on the external clock. Before it is used it is compared with the chip's own 16 MHz (1 %),
+//! both counted against a third clock: the time that the independent watchdog's 32 kHz takes to accept a new reload
+//! value. A board whose external clock is missing or wrong runs from its own, answers the PC, and cannot be armed.
 
 use cortex_m::peripheral::DWT;
 use embassy_stm32::pac;
@@ -22,18 +21,18 @@ pub const TIMER_HZ: u32 = CORE_HZ / 2;
 /// The external clock, Hz.
 const EXTERNAL_HZ: u32 = 8_000_000;
 
-/// The chip's own, Hz.
+/// The chip's own clock, Hz.
 const INTERNAL_HZ: u32 = 16_000_000;
 
-/// Reloads of the watchdog that are counted; each takes five periods of its clock at most.
+/// Number of watchdog reloads counted; each takes at most five periods of its clock.
 const RELOADS: u32 = 16;
 
-/// Cycles after which a clock that does not answer is given up: 60 ms at the chip's own 16 MHz, when nothing has
-/// changed the clocks yet.
+/// Cycles after which a clock that does not answer is given up: 60 ms at the chip's own 16 MHz, before any change of
+/// the clocks.
 const TIMEOUT_CYCLES: u32 = INTERNAL_HZ / 1000 * 60;
 
-/// Starts the watchdog with its longest time, some 0.5 s, and compares the external clock with the chip's own. The chip
-/// must run on its own, as after a reset, and does so again afterwards.
+/// Starts the watchdog with its reset time, some 0.5 s, and compares the external clock with the chip's own. The chip
+/// must run on its own clock, as after a reset, and does so again afterwards.
 pub fn external_clock_is_right() -> bool {
     pac::IWDG.kr().write(|w| w.set_key(Key::START));
     let rcc = pac::RCC;
@@ -52,7 +51,7 @@ pub fn external_clock_is_right() -> bool {
     }
     rcc.cr().modify(|w| w.set_hseon(false));
     match (own, external) {
-        // Within a twentieth: the chip's own is good to 1 %, and the next usual frequency is far.
+        // Within 5 %: the chip's own clock is good to 1 %, and the next usual frequency is far away.
         (Some(own), Some(external)) => {
             let expected = own / (INTERNAL_HZ / EXTERNAL_HZ);
             external.abs_diff(expected) < expected / 20
@@ -61,9 +60,9 @@ pub fn external_clock_is_right() -> bool {
     }
 }
 
-/// Processor cycles that the watchdog takes for some reloads.
+/// Processor cycles that some watchdog reloads take.
 fn reload_cycles() -> Option<u32> {
-    // The first one begins anywhere in a period of the watchdog's clock and ends with one.
+    // The first one starts anywhere in a period of the watchdog's clock and ends with the period.
     reload()?;
     let begin = DWT::cycle_count();
     for _ in 0..RELOADS {
@@ -104,7 +103,7 @@ pub fn tree(external: bool) -> embassy_stm32::Config {
         rcc.pll_src = PllSource::HSI;
     }
     rcc.pll = Some(Pll {
-        // 2 MHz into the loop, 336 MHz out of it.
+        // 2 MHz into the PLL, 336 MHz out of it.
         prediv: if external {
             PllPreDiv::DIV4
         } else {
@@ -121,8 +120,8 @@ pub fn tree(external: bool) -> embassy_stm32::Config {
     config
 }
 
-/// After embassy's start: caches before the flash, which embassy leaves off, and the guard of the external clock, which
-/// raises the NMI when that clock stops.
+/// After embassy's start: the flash caches, which embassy leaves off, and the guard of the external clock, which raises
+/// the NMI if that clock stops.
 pub fn finish(external: bool) {
     pac::FLASH.acr().modify(|w| {
         w.set_icen(true);

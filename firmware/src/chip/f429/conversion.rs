@@ -1,4 +1,4 @@
-//! The timers around external converters: CONVST, BUSY and the control interrupt at TIM2, LDAC at TIM4.
+//! The timers for external converters: CONVST, BUSY and the control interrupt on TIM2, LDAC on TIM4.
 
 use super::clocks::CORE_HZ;
 use super::period::TICKS_PER_US;
@@ -14,16 +14,16 @@ pub const WAIT: u32 = CORE_HZ / 500_000;
 /// TIM2's alternate function on PB10 and PB11.
 const AF_TIM2: u8 = 1;
 
-/// TIM4's on PD12.
+/// TIM4's alternate function on PD12.
 const AF_TIM4: u8 = 2;
 
-/// The step begins so many microseconds after its trigger.
+/// The step begins this many microseconds after its trigger.
 pub const INTERRUPT_US: u32 = 6;
 
-/// At the latest.
+/// Its latest start, us.
 pub const LATEST_BEGIN_US: u32 = 12;
 
-/// How long CONVST stays high, us: more than the 25 ns that it needs.
+/// Duration of the CONVST pulse, us: more than the required 25 ns.
 const CONVST_US: u32 = 2;
 
 // Channels of TIM2, counted from 0.
@@ -31,19 +31,19 @@ const INTERRUPT: usize = 0;
 const CONVST: usize = 2;
 const BUSY: usize = 3;
 
-/// Gives the pins to the timers; what waits in the output converter is loaded by hand before.
+/// Hands the pins over to the timers; a code waiting in the output converter is loaded by hand first.
 pub fn take_pins(ldac: LoadPin, line: ConversionPins) {
     channels();
     ldac.give_pin_to_timer();
     line.give_pin_to_timer();
 }
 
-/// What the timers' channels do beside their updates.
+/// Sets up the timers' channels.
 fn channels() {
     let tim2 = pac::TIM2;
     tim2.ccr(INTERRUPT).write_value(INTERRUPT_US * TICKS_PER_US);
     tim2.ccr(CONVST).write_value(CONVST_US * TICKS_PER_US);
-    // High from the update to its compare.
+    // High from the update until its compare.
     tim2.ccmr_output(1)
         .modify(|w| w.set_ocm(CONVST - 2, Ocm::PWM_MODE1));
     tim2.ccmr_input(1)
@@ -55,17 +55,17 @@ fn channels() {
         w.set_ccp(BUSY, true);
     });
     tim2.dier().modify(|w| w.set_ccie(INTERRUPT, true));
-    // TIM4's channel 1 is high from its instant on; LDAC falls there.
+    // TIM4's channel 1 is high from its compare on; LDAC falls there.
     pac::TIM4.ccer().modify(|w| {
         w.set_cce(0, true);
         w.set_ccp(0, true);
     });
 }
 
-/// Switches the control interrupt on, with the highest priority.
+/// Enables the control interrupt, with the highest priority.
 ///
 /// # Safety
-/// What its handler uses has been put in place.
+/// Everything its handler uses must be in place.
 pub unsafe fn enable_interrupt() {
     pac::TIM2.sr().write(|_| ());
     interrupt::TIM2.unpend();
@@ -74,8 +74,8 @@ pub unsafe fn enable_interrupt() {
     unsafe { interrupt::TIM2.enable() };
 }
 
-/// BUSY has fallen since this was last asked, and before the step could begin: a fall behind that is one of the conversion before,
-/// whose frame was read too early.
+/// True if BUSY has fallen since the last query, and before the step could begin: a later fall belongs to the previous
+/// conversion, whose frame was read too early.
 #[inline]
 pub fn conversion_has_ended() -> bool {
     let ended = pac::TIM2.sr().read().ccif(BUSY);
@@ -83,7 +83,7 @@ pub fn conversion_has_ended() -> bool {
     ended && pac::TIM2.ccr(BUSY).read() < INTERRUPT_US * TICKS_PER_US
 }
 
-/// LDAC while it is not the timer's yet.
+/// LDAC before it is handed to the timer.
 pub struct LoadPin(Flex<'static>);
 
 impl LoadPin {
@@ -95,7 +95,7 @@ impl LoadPin {
         Self(load)
     }
 
-    /// Loads what waits, then gives the line to the timer.
+    /// Loads a waiting code, then hands the line to the timer.
     fn give_pin_to_timer(mut self) {
         cortex_m::asm::delay(WAIT);
         self.0.set_low();
@@ -107,7 +107,7 @@ impl LoadPin {
     }
 }
 
-/// CONVST and BUSY while they are not the timer's yet.
+/// CONVST and BUSY before they are handed to the timer.
 pub struct ConversionPins {
     convst: Flex<'static>,
     busy: Flex<'static>,
@@ -119,12 +119,12 @@ impl ConversionPins {
         let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
         convst.set_low();
         convst.set_as_output(Speed::VeryHigh);
-        // A converter that is not there is busy for good.
+        // A missing converter always reads as busy.
         busy.set_as_input(Pull::Up);
         Self { convst, busy }
     }
 
-    /// CONVST, by hand.
+    /// Sets CONVST by hand.
     pub fn set_convst(&mut self, high: bool) {
         if high {
             self.convst.set_high();
@@ -133,12 +133,12 @@ impl ConversionPins {
         }
     }
 
-    /// BUSY.
+    /// True while BUSY is high.
     pub fn is_busy(&self) -> bool {
         self.busy.is_high()
     }
 
-    /// To the timer.
+    /// Hands them to the timer.
     fn give_pin_to_timer(mut self) {
         let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);
         self.convst.set_as_af_unchecked(AF_TIM2, convst);

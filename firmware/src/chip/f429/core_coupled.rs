@@ -1,5 +1,5 @@
-//! The 64 KiB of memory at the processor itself, which no DMA reaches: the queues between interrupt and tasks that carry
-//! steps, and the rig watch. The start does not fill it, so each part is written before it is given away.
+//! The 64 KiB of core-coupled memory, out of reach of any DMA: the step queues between interrupt and tasks, and the rig
+//! watch. The start does not initialise it, so each part is written before it is handed out.
 
 use crate::chip::stm32::tasks::report::Waiting;
 use crate::station::{Judged, OrdersQueue, ReportQueue, Watches};
@@ -9,15 +9,15 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use heapless::spsc::Queue;
 use heapless::{Deque, Vec};
 
-/// What lies there.
+/// The contents.
 pub struct CoreCoupled {
     /// Steps, from the interrupt to the tasks.
     pub reports: ReportQueue,
-    /// Steps that wait until they can be sent.
+    /// Steps waiting to be sent.
     pub waiting: Waiting,
-    /// How far the rig watch is.
+    /// Progress of the rig watch.
     pub judged: Judged,
-    /// What it asks for.
+    /// Requests of the rig watch.
     pub orders: OrdersQueue,
     /// The rig watch of each actuator.
     pub watches: Watches,
@@ -28,13 +28,13 @@ static mut MEMORY: MaybeUninit<CoreCoupled> = MaybeUninit::uninit();
 
 static CLAIMED: AtomicBool = AtomicBool::new(false);
 
-/// Gives the memory away, filled with nothing; once.
+/// Hands out the memory, with empty contents; once.
 pub fn claim() -> Option<&'static mut CoreCoupled> {
     if CLAIMED.swap(true, Relaxed) {
         return None;
     }
     let all = addr_of_mut!(MEMORY).cast::<CoreCoupled>();
-    // SAFETY: nobody has come here before, and nobody will; every part is written, in its place, before it is read.
+    // SAFETY: this code runs only once; every part is written, in its place, before it is read.
     unsafe {
         addr_of_mut!((*all).reports).write(Queue::new());
         addr_of_mut!((*all).waiting).write(Deque::new());

@@ -1,4 +1,4 @@
-//! The control period: TIM2, and TIM4 that it starts, whose compare is the instant of the command.
+//! The control period: TIM2, and TIM4 started by it, whose compare is the instant of the command.
 
 use super::clocks::TIMER_HZ;
 use embassy_stm32::Peri;
@@ -16,7 +16,7 @@ pub const TICKS_PER_US: u32 = TIMER_HZ / 1_000_000;
 pub struct Period(Timer<'static, TIM2>);
 
 impl Period {
-    /// Stopped, with TIM4 behind it, whose channel 1 is high from `output_delay_us` after each update for an eighth of that.
+    /// Stopped, with TIM4 after it, whose channel 1 is high from `output_delay_us` after each update, for 1/8 of that.
     pub fn new(
         tim2: Peri<'static, TIM2>,
         tim4: Peri<'static, TIM4>,
@@ -32,8 +32,8 @@ impl Period {
         output.set_master_mode(MasterMode::COMPARE_OC1);
         core::mem::forget(output);
 
-        // Registers are written, not embassy's ways: those end in an update event, which is a trigger. Without preload the
-        // period is in force at once; from then on a new one waits for the update.
+        // Registers are written directly because embassy's functions end in an update event, which is a trigger.
+        // Without preload the period takes effect at once; after that a new one waits for the update.
         let period = Timer::new(tim2);
         pac::TIM2.arr().write_value(ticks - 1);
         period.set_autoreload_preload(true);
@@ -41,31 +41,31 @@ impl Period {
         Self(period)
     }
 
-    /// Lets it run: the first update is one period from now.
+    /// Starts it: the first update is one period from now.
     pub fn start(&mut self) {
         self.0.start();
     }
 
-    /// Another period, from the end of the present one on.
+    /// Sets another period, from the end of the present one on.
     #[inline]
     pub fn set(&mut self, ticks: u32) {
         pac::TIM2.arr().write_value(ticks - 1);
     }
 
-    /// The commands leave so many microseconds after each update from now on. Between two lengths one command may leave a period
-    /// late: for a board that is idle.
+    /// From now on the commands leave this many microseconds after each update. At the change, one command may leave a
+    /// period late: only for an idle board.
     pub fn leave_after(&mut self, us: u32) {
         leave_after(us);
     }
 
-    /// True if at least so many microseconds of the period have passed.
+    /// True if at least `us` microseconds of the period have passed.
     #[inline]
     pub fn has_passed(&self, us: u32) -> bool {
         pac::TIM2.cnt().read() > us * TICKS_PER_US
     }
 }
 
-/// The compare of TIM4 and its end, which is written first: a pulse that is under way is not left without one.
+/// Sets the compare of TIM4 and its end, the latter first: a pulse in progress is not left without an end.
 fn leave_after(us: u32) {
     let delay = (us * TICKS_PER_US) as u16;
     pac::TIM4.arr().write(|w| w.set_arr(delay + delay / 8));

@@ -1,9 +1,9 @@
-//! What made the chip start.
+//! The cause of the chip's start.
 
 use embassy_stm32::pac;
 use link::status::StartCause;
 
-/// Why the chip started; the flags are cleared for the next time.
+/// Why the chip started; clears the flags for the next time.
 pub fn cause() -> StartCause {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));

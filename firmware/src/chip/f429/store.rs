@@ -1,14 +1,14 @@
 //! Calibration and test in the second bank of the flash.
 //!
-//! The chip's flash has two banks: the program runs in the first while the second is written, so the control interrupt is
-//! not held up. Each record has two sectors of its own, see [`Ring`].
+//! The chip's flash has two banks: the program runs in the first while the second is written, so the control interrupt
+//! is not delayed. Each record has two sectors of its own, see [`Ring`].
 
 use crate::station::{CALIBRATION_BYTES, Flash, Ring, TEST_BYTES, Wiring};
 use embassy_stm32::flash::{self, Async, FLASH_BASE};
 use link::MAX_ACTUATORS;
 use link::command::BoardTest;
 
-/// Of each actuator: sectors 12 and 13, 14 and 15, 17 and 18.
+/// One per actuator: sectors 12 and 13, 14 and 15, 17 and 18.
 const CALIBRATIONS: [Ring<CALIBRATION_BYTES>; MAX_ACTUATORS] = [
     Ring {
         sectors: [0x10_0000, 0x10_4000],
@@ -20,7 +20,7 @@ const CALIBRATIONS: [Ring<CALIBRATION_BYTES>; MAX_ACTUATORS] = [
         sector_bytes: 16 * 1024,
         slot_bytes: 64,
     },
-    // As few slots as there are of a test: they are looked through at every start.
+    // As few slots as for a test: they are all read at every start.
     Ring {
         sectors: [0x12_0000, 0x14_0000],
         sector_bytes: 128 * 1024,
@@ -36,16 +36,16 @@ const TESTS: Ring<TEST_BYTES> = Ring {
 };
 const _: () = assert!(TEST_BYTES <= 2048 && CALIBRATION_BYTES <= 64);
 
-/// The flash, to be read.
+/// Read access to the flash.
 pub struct Memory;
 
 impl Memory {
-    /// The calibration of an actuator, from 0, that was saved last.
+    /// The most recently saved calibration of an actuator, from 0.
     pub fn calibration(&self, actuator: usize) -> Option<Wiring> {
         CALIBRATIONS.get(actuator)?.load(self)
     }
 
-    /// The test that was saved last.
+    /// The most recently saved test.
     pub fn test(&self) -> Option<BoardTest> {
         TESTS.load(self)
     }
@@ -55,7 +55,7 @@ impl Flash for Memory {
     fn read(&self, offset: u32, bytes: &mut [u8]) {
         let begin = (FLASH_BASE as u32 + offset) as *const u8;
         for (i, byte) in bytes.iter_mut().enumerate() {
-            // SAFETY: flash of this chip, which can always be read; volatile, since it changes by other means than stores.
+            // SAFETY: this chip's flash can always be read; volatile because it changes by other means than stores.
             *byte = unsafe { begin.add(i).read_volatile() };
         }
     }
@@ -69,16 +69,16 @@ impl Flash for Memory {
     }
 }
 
-/// The flash, to be written.
+/// Write access to the flash.
 pub struct Store(flash::Flash<'static, Async>);
 
 impl Store {
-    /// With the flash.
+    /// Takes the flash.
     pub fn new(flash: flash::Flash<'static, Async>) -> Self {
         Self(flash)
     }
 
-    /// Writes what there is, one calibration an actuator; returns whether all of it reads back as it was.
+    /// Writes what is given, one calibration per actuator; returns whether all of it reads back unchanged.
     pub async fn save(&mut self, test: Option<&BoardTest>, wirings: &[Option<Wiring>]) -> bool {
         let mut saved = true;
         for (ring, wiring) in CALIBRATIONS.iter().zip(wirings) {

@@ -1,4 +1,4 @@
-//! What the start requires of a board: [`Board`].
+//! The start's requirements of a board: [`Board`].
 
 use super::converters::Converters;
 use super::metal::Pins;
@@ -9,17 +9,17 @@ use embassy_stm32::{Peri, Peripherals};
 
 /// A board with `A` actuators.
 pub trait Board<const A: usize = 1> {
-    /// What it samples and commands with.
+    /// The converters for its samples and commands.
     type Converters: Converters<A>;
 
-    /// Its name with these converters, as the PC is told it.
+    /// Its name with these converters, as reported to the PC.
     const NAME: &'static str;
 
-    /// All that hangs on the chip: PERMIT is low, the lamps are dark, and nothing else has begun.
+    /// Everything connected to the chip: PERMIT is low, the lamps are dark, and nothing else has started.
     fn wire(p: Peripherals) -> Wired<<Self::Converters as Converters<A>>::Parts>;
 }
 
-/// Which part of the chip does what.
+/// Which part of the chip has which function.
 pub struct Wired<P> {
     /// The pins of the control interrupt.
     pub pins: Pins,
@@ -27,10 +27,10 @@ pub struct Wired<P> {
     pub lamps: Lamps,
     /// The port to the PC.
     pub serial: Serial,
-    /// The flash, for what is saved.
+    /// The flash, for saved data.
     pub flash: Peri<'static, FLASH>,
     /// The watchdog.
     pub watchdog: Peri<'static, IWDG>,
-    /// What the converters take.
+    /// The parts for the converters.
     pub converters: P,
 }

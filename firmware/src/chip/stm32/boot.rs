@@ -1,7 +1,7 @@
-//! From the reset to the first control step, the same for every chip, board and kind of converters.
+//! From reset to the first control step, the same for every chip, board and kind of converters.
 //!
-//! Nothing may move the actuator: PERMIT is low, the position is read, the output gets it before it is enabled, and the
-//! sampling timer starts last.
+//! Nothing may move the actuator: PERMIT is low, the position is read, the output is set to it before it is enabled,
+//! and the sampling timer starts last.
 
 use super::board::Board;
 use super::control::{Control, ControlCell};
@@ -35,7 +35,7 @@ use link::status::{CrashReport, StartCause};
 use outerloop_core::Refusal;
 use static_cell::{ConstStaticCell, StaticCell};
 
-/// What the board's clocks allow. A step has to be ready when the output takes its command over.
+/// The limits of the board's clocks. A step must be ready when the output takes its command over.
 const fn clock<C: Converters<A>, const A: usize>() -> Clock {
     let per_us = clocks::CORE_HZ / 1_000_000;
     Clock {
@@ -55,8 +55,8 @@ defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
 static HEARTBEATS: Heartbeats = Heartbeats::new();
 
-/// Starts the board and runs its tasks for good. `control` is where the image's control interrupt finds what it owns.
-#[inline(always)] // Into the image's entry: the frame of the start is at the bottom of the stack anyway.
+/// Starts the board and runs its tasks forever. `control` is where the image's control interrupt finds its state.
+#[inline(always)] // Into the image's entry: the start's frame is at the bottom of the stack anyway.
 pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Converters, A>) -> ! {
     static ANSWERS: StaticCell<report::ReplyQueue> = StaticCell::new();
     static RECEIVED: ConstStaticCell<[u8; 2048]> = ConstStaticCell::new([0; 2048]);
@@ -137,7 +137,7 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
     })
 }
 
-/// The watchdog, which runs from here on.
+/// The watchdog, running from here on.
 fn started_watchdog(watchdog: Peri<'static, IWDG>) -> IndependentWatchdog<'static, IWDG> {
     let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
     watchdog.unleash();
@@ -145,21 +145,21 @@ fn started_watchdog(watchdog: Peri<'static, IWDG>) -> IndependentWatchdog<'stati
     watchdog
 }
 
-/// Runs what `spawn` begins, for good.
+/// Runs what `spawn` starts, forever.
 #[inline(always)]
 fn run_tasks(spawn: impl FnOnce(Spawner)) -> ! {
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(spawn)
 }
 
-/// What is known once the chip runs.
+/// Facts known once the chip runs.
 struct About {
     started: StartCause,
     last_crash: Option<CrashReport>,
     crystal_ok: bool,
 }
 
-/// Why the chip has started and what was kept from before; then its clocks, and the guards of stack, clock and supply.
+/// The cause of the start and data kept from before; then the clocks, and the guards of stack, clock and supply.
 #[inline(always)]
 fn start_chip() -> (About, embassy_stm32::Peripherals) {
     fatal::note_heartbeats(&HEARTBEATS);
@@ -193,7 +193,7 @@ struct TaskEnds {
     watch: WatchParts<'static>,
 }
 
-/// The queues between the control interrupt and the tasks. To be called once.
+/// The queues between the control interrupt and the tasks. Must be called only once.
 #[inline(always)]
 fn queues() -> (QueueEnds, TaskEnds) {
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
@@ -201,7 +201,7 @@ fn queues() -> (QueueEnds, TaskEnds) {
     static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
     let (outcomes_in, outcomes_out) = OUTCOMES.init(Queue::new()).split();
-    // The start comes here once.
+    // The start gets here only once.
     let CoreCoupled {
         reports,
         waiting,
@@ -236,7 +236,7 @@ fn queues() -> (QueueEnds, TaskEnds) {
     (interrupt, tasks)
 }
 
-/// What the PC may ask about the board; `answered`: its converters have.
+/// The answers to the PC's questions about the board; `answered`: its converters have answered.
 fn facts<B: Board<A>, const A: usize>(about: &mut About, answered: bool) -> Facts {
     Facts {
         name: B::NAME,
@@ -255,7 +255,7 @@ fn facts<B: Board<A>, const A: usize>(about: &mut About, answered: bool) -> Fact
     }
 }
 
-/// What was saved for each actuator and belongs to these converters.
+/// The saved calibration of each actuator, if it belongs to these converters.
 fn saved_calibrations<const A: usize>(codes: &CodeRange) -> [Option<Calibration>; A] {
     core::array::from_fn(|actuator| {
         let wiring = Memory.calibration(actuator);
@@ -263,7 +263,7 @@ fn saved_calibrations<const A: usize>(codes: &CodeRange) -> [Option<Calibration>
     })
 }
 
-/// The test to begin with: the saved one, else one that cannot be armed.
+/// The test to start with: the saved one, or else one that cannot be armed.
 #[inline(never)]
 fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<BoardTest>) {
     static FIRST: Place = Place::new();
@@ -280,7 +280,7 @@ fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Boar
     }
 }
 
-/// The service where it stays: what it passes through is not on the stack any more when the tasks stand on the start.
+/// Builds the service in its final place: its temporaries are off the stack before the tasks stack up on the start.
 #[inline(never)]
 fn service(board: Facts, parts: Parts, in_force: (f32, f64)) -> &'static SharedService {
     static SERVICE: StaticCell<Service> = StaticCell::new();
@@ -295,20 +295,19 @@ fn spare(clock: &Clock, actuators: usize) -> &'static mut Setup {
     unconfigured(&SPARE, clock, actuators)
 }
 
-/// Where a test stays.
+/// The storage of a test.
 type Place = StaticCell<Result<Setup, Refusal>>;
 
-/// A test that cannot be armed, worked out where it stays. A test is a sixth of the stack: what it passes through must not
-/// add up.
+/// A test that cannot be armed, computed in place. A test is a sixth of the stack: its temporaries must not add up.
 #[inline(never)]
 fn unconfigured(place: &'static Place, clock: &Clock, actuators: usize) -> &'static mut Setup {
     let first = place.init_with(|| Setup::unconfigured(clock, actuators));
-    // The clock's constants allow 2 kHz; a test on the host says so too.
+    // The clock's constants allow 2 kHz; a test on the host confirms it.
     defmt::unwrap!(first.as_mut().ok())
 }
 
-/// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
-/// that is further out, and there PERMIT cannot be given.
+/// The command code that holds the actuator at its measured displacement; the end of the DAC's range if that is further
+/// out, in which case PERMIT cannot be given.
 fn code_at_standstill(calibration: &Calibration, codes: &CodeRange, displacement: u16) -> u16 {
     let position_m = calibration.displacement.quantity(displacement);
     let line = &calibration.command;

@@ -1,4 +1,4 @@
-//! What the control interrupt owns.
+//! The state of the control interrupt.
 
 use super::converters::Converters;
 use super::kept;
@@ -6,18 +6,18 @@ use super::metal::Metal;
 use crate::station::Station;
 use core::cell::UnsafeCell;
 
-/// What the control interrupt owns on a board with `A` actuators.
+/// The state of the control interrupt on a board with `A` actuators.
 pub struct Control<C, const A: usize = 1> {
-    /// The loop and what is around it.
+    /// The loop and its surroundings.
     pub station: Station<A>,
     /// The board's inputs and outputs.
     pub metal: Metal<C>,
 }
 
-/// Its place, in an image of its own.
+/// Its place in an image.
 pub struct ControlCell<C, const A: usize = 1>(UnsafeCell<Option<Control<C, A>>>);
 
-// SAFETY: written once before the interrupt is on, and reached only by the interrupt from then on.
+// SAFETY: written once before the interrupt is on, and accessed only by the interrupt from then on.
 unsafe impl<C, const A: usize> Sync for ControlCell<C, A> {}
 
 impl<C: Converters<A>, const A: usize> ControlCell<C, A> {
@@ -27,21 +27,21 @@ impl<C: Converters<A>, const A: usize> ControlCell<C, A> {
         Self(UnsafeCell::new(None))
     }
 
-    /// Gives the control interrupt what it owns, and switches it on. To be called once.
+    /// Hands the control interrupt its state, and enables it. Must be called only once.
     pub fn begin(&'static self, control: Control<C, A>) {
-        // SAFETY: the interrupt is off, so nobody else is there.
+        // SAFETY: the interrupt is off, so nothing else accesses it.
         unsafe { *self.0.get() = Some(control) };
-        // SAFETY: what it uses is in place. Its first run starts the period.
+        // SAFETY: everything it uses is in place. Its first run starts the period.
         unsafe { C::enable_interrupt() };
     }
 
     /// One control period.
     ///
     /// # Safety
-    /// Called by the control interrupt and by nobody else.
+    /// Only the control interrupt may call this.
     #[inline]
     pub unsafe fn period(&self) {
-        // SAFETY: the interrupt does not interrupt itself, and nobody else reaches this.
+        // SAFETY: the interrupt does not interrupt itself, and nothing else accesses this.
         if let Some(control) = unsafe { &mut *self.0.get() } {
             control.station.period(&mut control.metal);
             kept::note_mode(control.station.mode());

@@ -1,13 +1,13 @@
-//! Critical sections that leave the control interrupt free: they mask by priority (BASEPRI), not all (PRIMASK).
+//! Critical sections that do not block the control interrupt: they mask by priority (BASEPRI), not all (PRIMASK).
 //!
-//! Masked is every interrupt but those of priority 0, and only the control interrupt has that. The price: it must touch
+//! They mask every interrupt but those of priority 0, which only the control interrupt has. The price: it must touch
 //! nothing that a critical section protects.
 
 use core::sync::atomic::{Ordering::SeqCst, compiler_fence};
 use cortex_m::register::basepri;
 use critical_section::{Impl, RawRestoreState, set_impl};
 
-/// Priority 1 and all less urgent ones; the chip has four bits of priority, the upper ones.
+/// Priority 1 and below; the chip has four bits of priority, the upper ones.
 const MASK: u8 = 1 << 4;
 
 struct ByPriority;
@@ -26,7 +26,7 @@ unsafe impl Impl for ByPriority {
 
     unsafe fn release(before: RawRestoreState) {
         compiler_fence(SeqCst);
-        // SAFETY: back to what the matching `acquire` found.
+        // SAFETY: restores what the matching `acquire` found.
         unsafe { basepri::write(before) };
     }
 }

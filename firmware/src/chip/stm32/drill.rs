@@ -1,22 +1,22 @@
-//! Faults on demand, to see on the very image that runs a test that each ends safely.
+//! Faults on demand, to verify that each ends safely on the very image that runs a test.
 //!
-//! A debugger, or the emulator, writes [`MAGIC`] and a number into [`DRILL`]; nothing on the link can, and a stray write of
-//! a small number does nothing. The background task looks at it
-//! ten times a second, the control interrupt in every step.
+//! A debugger, or the emulator, writes [`MAGIC`] and a number into [`DRILL`]; nothing on the link can, and a stray
+//! write of a small number has no effect. The background task checks it ten times a second, the control interrupt in
+//! every step.
 
 use crate::chip::this::supply;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::{DWT, SCB};
 
-/// The drill that is asked for; its symbol is `DRILL`.
+/// The requested drill; its symbol is `DRILL`.
 #[unsafe(no_mangle)]
 pub static DRILL: AtomicU32 = AtomicU32::new(0);
 
 /// Added to a drill's number.
 pub const MAGIC: u32 = 0x4452_4c00;
 
-/// Drills of the stack by where its recursion begins.
+/// First number of the stack drills, which differ by the start of their recursion.
 const FIRST_STACK: u32 = 0x30;
 const LAST_STACK: u32 = 0x3f;
 
@@ -29,14 +29,14 @@ pub enum Drill {
     Panic,
     /// An undefined instruction.
     HardFault,
-    /// A recursion without end.
+    /// An endless recursion.
     Stack {
-        /// It begins so many times eight bytes lower than it could.
+        /// Multiples of eight bytes by which it starts lower.
         eights: u32,
     },
     /// A task that never gives up the processor.
     Starve,
-    /// Interrupts off, for good.
+    /// Interrupts off, forever.
     Hang,
     /// One step that takes too long.
     Overrun,
@@ -52,7 +52,7 @@ const NMI_PENDING: u32 = 1 << 31;
 /// Cycles of an overrun: 300 us.
 const OVERRUN_CYCLES: u32 = 50_400;
 
-/// What is asked for.
+/// The requested drill.
 #[inline]
 pub fn asked() -> Drill {
     match DRILL.load(Relaxed).wrapping_sub(MAGIC) {
@@ -71,7 +71,7 @@ pub fn asked() -> Drill {
     }
 }
 
-/// Carries out what the background has to.
+/// Carries out the drills of the background.
 pub fn background() {
     match asked() {
         Drill::None | Drill::Overrun => {}
@@ -97,7 +97,7 @@ pub fn background() {
     }
 }
 
-/// Holds one step up.
+/// Delays one step.
 #[cold]
 pub fn overrun() {
     DRILL.store(0, Relaxed);
@@ -105,7 +105,7 @@ pub fn overrun() {
     while DWT::cycle_count().wrapping_sub(begin) < OVERRUN_CYCLES {}
 }
 
-/// Begins the recursion a multiple of eight bytes lower: one of these tries each place of a frame at the end of the stack.
+/// Starts the recursion a multiple of eight bytes lower, so that one drill hits each frame position at the stack's end.
 #[inline(never)]
 fn lower(eights: u32) -> u32 {
     match eights {
@@ -114,8 +114,8 @@ fn lower(eights: u32) -> u32 {
     }
 }
 
-/// Without end as long as the drill is asked for. That stands in a static: what lies on a stack that has left the memory
-/// decides nothing.
+/// Endless as long as the drill is requested. The request is in a static: data on a stack that has left the memory
+/// decide nothing.
 #[inline(never)]
 fn use_stack(depth: u32) -> u32 {
     let mut room = [depth; 16];

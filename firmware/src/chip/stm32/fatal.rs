@@ -2,9 +2,9 @@
 //! kept, and the watchdog resets the chip.
 //!
 //! # Stack
-//! The stack lies below all other memory (`memory.x`), so one that overflows runs into addresses that nobody may touch
-//! (`stack_guard`), and that is a fault. The fault's handler cannot use such a stack; it takes the place of the oldest frames, to which
-//! nobody will return.
+//! The stack lies below all other memory (`memory.x`), so an overflow runs into forbidden addresses (`stack_guard`),
+//! which is a fault. The fault's handler cannot use such a stack; it overwrites the oldest frames, to which nothing
+//! will return.
 
 use super::{kept, stack_guard};
 use crate::board::this as board;
@@ -16,42 +16,42 @@ use cortex_m::peripheral::SCB;
 use heapless::String;
 use link::status::{CrashCause, CrashReport};
 
-/// Bytes at the end of the stack that a fault's frame and its floating-point registers need.
+/// Bytes needed at the end of the stack for a fault's frame and its floating-point registers.
 const FRAME: u32 = 104 + 8;
 
-/// MMARVALID of the fault status: the address that the memory protection unit has refused is known.
+/// MMARVALID of the fault status: the address refused by the memory protection unit is known.
 const ADDRESS_IS_KNOWN: u32 = 1 << 7;
 
 static HEARTBEATS: AtomicPtr<Heartbeats> = AtomicPtr::new(core::ptr::null_mut());
 
-/// Where the control step's number can be read for a crash report.
+/// Makes the control step's number available to a crash report.
 pub fn note_heartbeats(heartbeats: &'static Heartbeats) {
     HEARTBEATS.store(core::ptr::from_ref(heartbeats).cast_mut(), Relaxed);
 }
 
 /// The control step's number.
 pub fn noted_tick() -> u32 {
-    // SAFETY: null or what `note_heartbeats` was given.
+    // SAFETY: null or the argument of `note_heartbeats`.
     unsafe { HEARTBEATS.load(Relaxed).as_ref() }.map_or(0, Heartbeats::tick)
 }
 
-/// PERMIT low, whoever owns the pin, in four instructions that read no memory and call nothing. Every way out begins with
-/// them, before a word is put together: what ends the program may have damaged what that needs. Before the pins were set
-/// up this writes to a port without a clock, and nothing happens.
+/// PERMIT low, whoever owns the pin, in four instructions that read no memory and call nothing. Every way out starts
+/// with them, before it composes a message: the cause of the end may have damaged what that needs. Before the pins are
+/// set up this writes to a port without a clock, and nothing happens.
 macro_rules! drop_permit {
     () => {
         "movw r1, #{low}\nmovt r1, #{high}\nmov.w r2, #{reset}\nstr r2, [r1]\n"
     };
 }
 
-/// PERMIT's register in two halves, and what is written there.
+/// PERMIT's register in two halves, and the value to write.
 const LOW: u32 = board::PERMIT_REGISTER & 0xffff;
 const HIGH: u32 = board::PERMIT_REGISTER >> 16;
 const RESET: u32 = board::PERMIT_RESET;
 
 #[inline(always)]
 fn drop_permit() {
-    // SAFETY: a write to the port's register, which resets the one pin.
+    // SAFETY: a write to the port's register, which resets this one pin.
     unsafe {
         asm!(
             drop_permit!(),
@@ -65,7 +65,7 @@ fn drop_permit() {
     };
 }
 
-/// The end, with PERMIT low: the reason is kept, and the watchdog resets the chip.
+/// The end, with PERMIT low: keeps the reason, and lets the watchdog reset the chip.
 fn halt(cause: CrashCause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
     board::fault_lamp_on();
@@ -80,12 +80,12 @@ fn halt(cause: CrashCause, text: String<96>) -> ! {
     }
 }
 
-/// The end by a panic. What does not fit of its message is cut.
+/// The end by a panic. Its message is truncated to fit.
 #[inline(always)]
 pub fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
     drop_permit();
     cortex_m::interrupt::disable();
-    // A control step between the two has set it again.
+    // A control step in between may have set it again.
     drop_permit();
     write_panic(info)
 }
@@ -101,7 +101,7 @@ fn write_panic(info: &core::panic::PanicInfo<'_>) -> ! {
     halt(CrashCause::Panic, text.0)
 }
 
-/// As much of a text as fits.
+/// A text, truncated to fit.
 struct Cut(String<96>);
 
 impl Write for Cut {
@@ -114,14 +114,14 @@ impl Write for Cut {
 }
 
 unsafe extern "C" {
-    /// End of the stack, by `memory.x`.
+    /// End of the stack, from `memory.x`.
     static _stack_end: u32;
 }
 
-/// Stack that is left for writing down a fault, at least: that takes some 900 bytes of it.
+/// Least stack left for recording a fault, which takes some 900 bytes.
 pub const ROOM_TO_TELL: u32 = 2048;
 
-/// A fault of the processor: drops PERMIT, then finds a stack that can be used.
+/// A fault of the processor: drops PERMIT, then finds a usable stack.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 unsafe extern "C" fn HardFault() -> ! {
@@ -143,14 +143,14 @@ unsafe extern "C" fn HardFault() -> ! {
     )
 }
 
-/// The fault, with the stack pointer as it was at its entry.
+/// The fault, with the stack pointer at its entry.
 extern "C" fn faulted(frame: u32) -> ! {
     let end = (&raw const _stack_end).addr() as u32;
     // SAFETY: reading the fault status has no effect.
     let (status, at) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).mmfar.read()) };
     let mut text = Cut(String::new());
     let touched_guard = status & ADDRESS_IS_KNOWN != 0 && stack_guard::range().contains(&at);
-    // The fault's own frame no longer fitted, or something was pushed below the end.
+    // The fault's own frame did not fit, or something was pushed below the end.
     if frame < end + FRAME || touched_guard {
         let _ = write!(
             text,
@@ -174,7 +174,7 @@ unsafe fn NonMaskableInt() -> ! {
     )
 }
 
-/// The supply is below what the chip needs. To be called first of all by the interrupt of its guard.
+/// The supply is below the chip's requirement. The interrupt of its guard must call this first.
 #[inline(always)]
 pub fn supply_is_low() -> ! {
     drop_permit();

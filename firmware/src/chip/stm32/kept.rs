@@ -1,4 +1,4 @@
-//! What is kept across a reset: why the program died, in memory that the start does not touch.
+//! Data kept across a reset: why the program died, in memory that the start leaves untouched.
 
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
@@ -6,7 +6,7 @@ use link::frame::checksum;
 use link::status::{CrashCause, CrashReport, StartCause};
 use outerloop_core::Mode;
 
-/// Bytes of a coded crash report, at most.
+/// Largest encoded crash report, bytes.
 const ROOM: usize = 160;
 
 #[repr(C)]
@@ -16,13 +16,13 @@ struct Kept {
     bytes: [u8; ROOM],
 }
 
-/// Untouched by the start: it holds what the program before the reset has left, or the noise of power-up.
+/// Untouched by the start: it holds what the program before the reset has left, or power-up noise.
 #[unsafe(link_section = ".uninit.kept")]
 static mut KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
 
 static MODE: AtomicU8 = AtomicU8::new(Mode::Idle as u8);
 
-/// The control interrupt's mode after a step, for a crash report.
+/// Notes the control interrupt's mode after a step, for a crash report.
 #[inline]
 pub fn note_mode(mode: Mode) {
     MODE.store(mode as u8, Relaxed);
@@ -47,22 +47,22 @@ pub fn keep(words: &CrashReport) {
     if let Ok(coded) = postcard::to_slice(words, &mut kept.bytes) {
         kept.length = coded.len() as u32;
         kept.sum = checksum(coded.iter().copied());
-        // SAFETY: a plain store to memory of this type, by the only one who is running.
+        // SAFETY: a plain store to memory of this type, by the only running code.
         unsafe { (&raw mut KEPT).cast::<Kept>().write_volatile(kept) };
     }
 }
 
-/// Forgets what was kept: it has not come to the end that was announced.
+/// Discards what was kept: the announced end did not happen.
 #[cold]
 pub fn forget() {
-    // SAFETY: a plain store, by the control interrupt, which nobody interrupts.
+    // SAFETY: a plain store, by the control interrupt, which nothing interrupts.
     unsafe { (&raw mut (*(&raw mut KEPT).cast::<Kept>()).length).write_volatile(0) };
 }
 
-/// What was kept; it is forgotten. To be called once, before the control interrupt runs.
+/// Returns and discards what was kept. Must be called once, before the control interrupt runs.
 pub fn take() -> Option<CrashReport> {
     let place = (&raw mut KEPT).cast::<Kept>();
-    // SAFETY: plain numbers, every pattern of bits is one; nobody else runs yet.
+    // SAFETY: plain numbers, for which every bit pattern is valid; nothing else runs yet.
     let kept = unsafe { place.read_volatile() };
     // SAFETY: as above.
     unsafe { (&raw mut (*place).length).write_volatile(0) };
@@ -73,7 +73,7 @@ pub fn take() -> Option<CrashReport> {
     postcard::from_bytes(coded).ok()
 }
 
-/// The crash report that belongs to such a start. A watchdog that nobody has announced is news too.
+/// The crash report for this kind of start. A watchdog reset without an announcement is reported, too.
 pub fn crash_before(start: StartCause) -> Option<CrashReport> {
     match (start, take()) {
         (StartCause::Power | StartCause::BrownOut, _) => None,

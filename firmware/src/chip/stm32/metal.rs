@@ -1,4 +1,4 @@
-//! What the control interrupt reads and switches on the chip.
+//! The control interrupt's access to the chip.
 
 use super::converters::Converters;
 use super::{drill, drill::Drill};
@@ -16,40 +16,40 @@ use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
 
-/// The watchdog resets the chip so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
+/// Time from the last feeding to the watchdog's reset, us; its clock, and so this time, is good to a factor of two.
 pub const WATCHDOG_US: u32 = 25_000;
 
-/// Starts the cycle counter. To be called once, before the clocks are looked at.
+/// Starts the cycle counter. Must be called once, before the clocks are checked.
 pub fn start_cycle_counter(core: &mut cortex_m::Peripherals) {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
 }
 
-/// TRCENA of DEMCR, which the cycle counter needs.
+/// TRCENA of DEMCR, needed by the cycle counter.
 const TRACE: u32 = 1 << 24;
 
-/// A fault runs into its way out, and the watchdog counts, also where a debugger has set the core to halt at faults: it
-/// may be gone, and PERMIT would stay. What it has set outlasts every reset but that of power-on.
+/// Faults take their way out and the watchdog counts, even if a debugger has set the core to halt at faults: it may be
+/// gone, and PERMIT would stay. A debugger's settings survive every reset but power-on.
 #[inline]
 pub fn no_fault_halts_the_core() {
-    // SAFETY: it takes from a debugger what it wants to be told of, and nothing from the program.
+    // SAFETY: it only takes away events that a debugger asked for, and nothing from the program.
     unsafe { (*DCB::PTR).demcr.write(TRACE) };
     debug::watchdog_goes_on();
 }
 
-/// The processor's cycles.
+/// The processor's cycle count.
 #[inline]
 pub fn cycles() -> u32 {
     DWT::cycle_count()
 }
 
-/// The pins of the control interrupt beside those of the converters.
+/// The pins of the control interrupt besides those of the converters.
 pub struct Pins {
     /// The PERMIT line, an output that is read back.
     pub permit: Flex<'static>,
-    /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
+    /// Toggles in every step with PERMIT, for a relay that drops when the pulses stop.
     pub pulse: Output<'static>,
-    /// The contact of what hangs on PERMIT.
+    /// The contact of the device driven by PERMIT.
     pub chain: Pin<'static>,
     /// High while the hold button is pressed.
     pub button: Pin<'static>,
@@ -59,18 +59,18 @@ pub struct Pins {
     pub step: Output<'static>,
 }
 
-/// What the control interrupt owns of the board.
+/// The control interrupt's part of the board.
 pub struct Metal<C> {
     converters: C,
     period: Period,
     pins: Pins,
     watchdog: IndependentWatchdog<'static, IWDG>,
-    /// What PERMIT was asked for in the last step, and whether it has been given since the start.
+    /// PERMIT as requested in the last step, and whether it has been given since the start.
     asked: bool,
     given: bool,
-    /// PERMIT's port takes what is written to it, and PERMIT has fallen where it was asked to.
+    /// True if PERMIT's port takes what is written to it, and PERMIT fell when requested.
     permit_follows: bool,
-    /// Why the watchdog is not fed has been kept.
+    /// True if the reason for not feeding the watchdog has been kept.
     told: bool,
 }
 
@@ -94,7 +94,7 @@ impl<C> Metal<C> {
         }
     }
 
-    /// Lets the periods run.
+    /// Starts the periods.
     pub fn start<const A: usize>(&mut self, leaves_late: bool)
     where
         C: Converters<A>,
@@ -103,7 +103,7 @@ impl<C> Metal<C> {
         self.period.start();
     }
 
-    /// Keeps why the watchdog is not fed, once.
+    /// Keeps the reason for not feeding the watchdog, once.
     #[cold]
     fn tell(&mut self, cause: CrashCause, tick: u32, mode: Mode, text: &str) {
         if !core::mem::replace(&mut self.told, true) {
@@ -132,8 +132,8 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; A]> {
-        // What the last step asked for has had a period to get there. A line that stays high though it was dropped, and a port that
-        // has lost its clock and reads as zeros, are dropped by nothing but a reset.
+        // The last step's request has had a period to take effect. A line that stays high though it was dropped, and a
+        // port that has lost its clock and reads as zeros, can be dropped only by a reset.
         let stays = self.given && !self.asked && self.pins.permit.is_high();
         self.pins.step.set_high();
         if drill::asked() == Drill::Overrun {

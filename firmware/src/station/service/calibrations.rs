@@ -1,4 +1,4 @@
-//! The calibration of each actuator: shown, exchanged, zeroed, kept.
+//! The calibration of each actuator: shown, replaced, zeroed, kept.
 
 use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
@@ -10,24 +10,24 @@ use link::limits::CalibratedRange;
 use link::reply::{Obstacle, RefusedParameter, Reply};
 use outerloop_core::{Fault, Mode};
 
-/// The copies of a calibration differ; a whole one, or a reset, mends it.
+/// The copies of a calibration differ; sending a whole one, or a reset, repairs it.
 const WRONG_BIT: Option<Obstacle> = Some(Obstacle::Fault(Fault::Memory));
 
 impl Service {
-    /// What the actuators of a test show, or all of the board's.
+    /// The range of a test's actuators, or of all on the board.
     pub(super) fn shown(&self, test: Option<&BoardTest>) -> CalibratedRange {
         let used = self.used(test).iter();
         CalibratedRange::by_all(used.map(|c| c.0.first()), &self.board.codes)
     }
 
-    /// Somebody has calibrated the channels of every actuator that the test in force has, or the board.
+    /// True if every actuator of the test in force, or else of the board, has been calibrated.
     pub(super) fn is_calibrated(&self) -> bool {
         self.used(self.test.as_ref())
             .iter()
             .all(|c| c.1 == Made::BySomebody)
     }
 
-    /// Of a test of two coupled actuators, nothing hangs on the others.
+    /// In a test of two coupled actuators, nothing is connected to the others.
     fn used(&self, test: Option<&BoardTest>) -> &[(Twice<Calibration>, Made)] {
         let coupled = test.filter(|t| t.coupled.is_some());
         let used = coupled.and_then(|t| self.calibrations.get(..t.actuators()));
@@ -74,7 +74,7 @@ impl Service {
         else {
             return self.no_actuator(actuator);
         };
-        // The lines that stay are sent again with the one that changes: none with a wrong bit.
+        // The unchanged lines are sent again with the new one: none may have a wrong bit.
         let Some(&(mut calibration)) = own.agreed() else {
             return self.reply(self.rejected(None, WRONG_BIT));
         };

@@ -1,4 +1,4 @@
-//! Points that the PC sends before a test: announced, taken piece by piece, handed to the interrupt when all have come.
+//! Points sent by the PC before a test: announced, taken in pieces, handed to the interrupt when complete.
 
 use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
@@ -20,7 +20,7 @@ impl Service {
     }
 
     pub(super) fn take_points(&mut self, first: u32, points: &[f32]) -> CommandResult {
-        // The memory is taken only for an upload that was announced: what is taken in vain would be lost.
+        // The memory is taken only for an announced upload: otherwise it would be lost.
         let Some(mut upload) = self.upload.take() else {
             return self.reply(Reply::Expected(0));
         };
@@ -46,7 +46,7 @@ impl Service {
             }
             uploaded => {
                 self.writable = Some(writable);
-                // Broken off only by a wrong sum: everything else can be sent again.
+                // Only a wrong sum ends the upload: everything else can be sent again.
                 let reply = match uploaded {
                     Uploaded::WrongSum { received } => Reply::WrongSum { received },
                     other => {

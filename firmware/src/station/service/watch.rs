@@ -10,7 +10,7 @@ use outerloop_core::watch::{Instructions, Seen, State, steps_in_block};
 use outerloop_core::{Mode, Refusal};
 
 impl Service {
-    /// Takes in what the watch of an actuator, from 0, is told. With the last of them the test is watched.
+    /// Takes the instructions for the watch of an actuator, from 0. The last of them starts the watch of the test.
     pub(super) fn watch(&mut self, actuator: u8, told: &Instructions) -> CommandResult {
         if usize::from(actuator) >= self.board.actuators {
             return self.no_actuator(actuator);
@@ -21,7 +21,7 @@ impl Service {
         if test.coupled.is_some() {
             return self.not_of_coupled("watch");
         }
-        // As the loop counts them.
+        // Counted like the loop's.
         let steps = steps_in_block(test.config.timing.rate_hz);
         if self.mode != Mode::Idle {
             return self.reply(self.rejected(None, None));
@@ -59,7 +59,7 @@ impl Service {
         self.watchers.tell(told, steps)
     }
 
-    /// Has the rig watch judge a step; true if what it says has changed.
+    /// Passes a step to the rig watch; true if its verdict has changed.
     pub(super) fn watch_step(&mut self, report: &Report) -> bool {
         if self.mode == Mode::Idle {
             self.watchers.forget_test();
@@ -69,7 +69,7 @@ impl Service {
         for (actuator, ((place, sent_m), (lines, _))) in each.zip(&self.calibrations).enumerate() {
             let lines = lines.first();
             let [displacement, force] = report.step.codes(actuator).unwrap_or_default();
-            // As the control interrupt has it of the same codes.
+            // As computed by the control interrupt from the same codes.
             *place = [
                 *sent_m,
                 lines.displacement.quantity(displacement),
@@ -80,17 +80,17 @@ impl Service {
         self.watchers.see(report.tick, test, &seen, now)
     }
 
-    /// What the rig watch says, of the worst actuator.
+    /// The state from the rig watch, of the worst actuator.
     pub fn watch_state(&self) -> State {
         self.watchers.state()
     }
 
-    /// What it names of each actuator, and how much of it is corrected for.
+    /// Named causes of each actuator, and the part corrected for.
     pub fn named(&self) -> impl Iterator<Item = NamedCause> {
         self.watchers.named()
     }
 
-    /// True if what a compensation learns is held.
+    /// True if the compensation's learning is held.
     pub fn is_held(&self) -> bool {
         self.watchers.holds()
     }

@@ -6,10 +6,10 @@ use embassy_stm32::gpio::{Level, Output};
 use embassy_time::{Duration, Ticker};
 use outerloop_core::Mode;
 
-/// Mode and fault of the last step that was sent.
+/// Mode and fault of the last step sent.
 static FLAGS: AtomicU32 = AtomicU32::new(0);
 
-/// Of a control step's record.
+/// Shows a control step's record.
 pub fn show(flags: u32) {
     FLAGS.store(flags, Relaxed);
 }
@@ -22,17 +22,17 @@ pub struct Lamps {
     pub red: Output<'static>,
 }
 
-/// A beat of all patterns.
+/// The common beat of all patterns.
 const BEAT: Duration = Duration::from_millis(100);
 
-/// Beats of a flash and the pause behind it.
+/// Beats of a flash and the pause after it.
 const FLASH: u32 = 4;
 
 /// The task.
 #[embassy_executor::task]
 pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
     let mut beat = Ticker::every(BEAT);
-    // Since the red pattern began.
+    // Beats since the red pattern began.
     let (mut red, mut last_fault) = (0_u32, 0);
     for count in 0_u32.. {
         drill::background();

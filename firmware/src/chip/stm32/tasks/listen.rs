@@ -13,20 +13,20 @@ use link::command::BoardTest;
 use link::frame::{Decoder, DecoderCounts, FrameKind};
 use link::reply::NumberedReply;
 
-/// How often the task shows a sign of life, at least. Each time reading begins anew, and that is the less often the better:
-/// it looks at the data register while DMA may be about to take a byte from it.
+/// The longest time between the task's signs of life. Each time it restarts reading, which should be rare: that reads
+/// the data register while DMA may be about to take a byte from it.
 const BEAT: Duration = Duration::from_millis(10);
 
-/// How long it sleeps while the control interrupt takes an order.
+/// Its sleep while the control interrupt handles an order.
 const NAP: Duration = Duration::from_micros(200);
 
 /// What the task uses.
 pub struct Listener {
     /// Answers commands.
     pub service: &'static SharedService,
-    /// What the control interrupt made of its orders.
+    /// The control interrupt's results of its orders.
     pub outcomes: Consumer<'static, Outcome>,
-    /// Answers on their way out.
+    /// Outgoing answers.
     pub answers: &'static ReplyQueue,
     /// Signs of life.
     pub heartbeats: &'static Heartbeats,
@@ -45,7 +45,7 @@ pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
         listener.heartbeats.beat(Heartbeat::Listen);
         let count = match with_timeout(BEAT, rx.read(&mut bytes)).await {
             Ok(Ok(count)) => count,
-            // Noise or an overrun: reading starts again by itself, and the frame's check sum finds the hole.
+            // Noise or an overrun: reading restarts by itself, and the frame's check sum detects the gap.
             Ok(Err(error)) => {
                 defmt::debug!("serial port: {}", error);
                 0
@@ -110,7 +110,7 @@ impl Listener {
         }
     }
 
-    /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
+    /// Saves, with signs of life meanwhile: an erasure takes a second or two.
     async fn save(&mut self, test: Option<&BoardTest>, wirings: &[Option<Wiring>]) -> bool {
         let heartbeats = self.heartbeats;
         let alive = async {

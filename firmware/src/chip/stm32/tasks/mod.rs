@@ -1,4 +1,4 @@
-//! What runs beside the control interrupt: commands, reports, lamps.
+//! Tasks besides the control interrupt: commands, reports, lamps.
 
 pub mod lights;
 pub mod listen;

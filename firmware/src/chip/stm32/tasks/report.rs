@@ -1,4 +1,4 @@
-//! The task that sends: every control step, and the answers between them.
+//! The sending task: every control step, and answers in between.
 
 use super::lights;
 use crate::station::{Heartbeat, Heartbeats, Report, Service};
@@ -16,34 +16,34 @@ use link::message::Message;
 use link::reply::NumberedReply;
 use link::telemetry::{STEPS, StepReport};
 
-/// The service as the tasks share it. Behind a reference: made within the cell, it would stand twice on the stack.
+/// The service as shared by the tasks. Behind a reference: built inside the cell, it would be on the stack twice.
 pub type SharedService = RefCell<&'static mut Service>;
 
-/// Answers on their way out.
+/// Outgoing answers.
 pub type ReplyQueue = Channel<NoopRawMutex, NumberedReply, 2>;
 
-/// Steps that wait until they can be sent, each with its tick: 80 ms of them at 2 kHz.
+/// Steps waiting to be sent, each with its tick: 80 ms of them at 2 kHz.
 pub type Waiting = Deque<(u32, StepReport), 160>;
 
-/// How often the task looks for something to send.
+/// Interval at which the task looks for something to send.
 const BEAT: Duration = Duration::from_millis(1);
 
-/// Beats after which a frame that is not full goes out.
+/// Beats after which an incomplete frame is sent.
 const TIMEOUT_BEATS: u32 = 10;
 
 /// What the task uses.
 pub struct Reporter {
     /// The control interrupt's steps.
     pub reports: Consumer<'static, Report>,
-    /// Those that wait until they can be sent.
+    /// Those waiting to be sent.
     pub waiting: &'static mut Waiting,
     /// Answers commands.
     pub service: &'static SharedService,
-    /// Answers on their way out.
+    /// Outgoing answers.
     pub answers: &'static ReplyQueue,
     /// Signs of life.
     pub heartbeats: &'static Heartbeats,
-    /// How many actuators and further inputs the board has.
+    /// Numbers of actuators and further inputs of the board.
     pub channels: (usize, usize),
 }
 
@@ -69,7 +69,7 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
             Timer::after(BEAT).await;
             continue;
         };
-        // Nothing of this crate is longer than a frame; if it were, the number would not be used up.
+        // Nothing in this crate exceeds a frame; otherwise the number would remain unused.
         if let Ok(wire) = wire {
             sequence = sequence.wrapping_add(1);
             if tx.write(&wire).await.is_err() {
@@ -116,7 +116,7 @@ fn telemetry_frame(
 }
 
 impl Reporter {
-    /// What has come from the control interrupt: for the service and its rig watch at once, and to be sent.
+    /// Takes the control interrupt's steps: to the service and its rig watch at once, and to the queue for sending.
     fn take_in(&mut self) {
         let mut service = self.service.borrow_mut();
         let mut changed = false;
@@ -132,7 +132,7 @@ impl Reporter {
         }
     }
 
-    /// Successive steps, as many as fit a frame.
+    /// Successive steps, as many as fit in a frame.
     fn gather(&mut self) -> Telemetry {
         let mut telemetry = Telemetry::default();
         while let Some((tick, step)) = self.waiting.front() {
