@@ -3,8 +3,8 @@
 //!
 //! What the motion explains of the witness is removed: a constant, time, displacement and its first three derivatives,
 //! by least squares over the training data. A name is tested by what its law adds to the model's response, and by its
-//! derivative: whatever the witness is, it shows some fraction of what a law does. Both are fitted to the training data
-//! and judged on the held-out data. What only displaces, delays, damps or weighs is in the motion, unseen.
+//! derivative: any witness shows some fraction of what a law does. Both are fitted to training data and judged on
+//! held-out data. What only displaces, delays, damps or weighs is part of the motion: no witness shows it.
 
 use crate::diagnose::Diagnosis;
 use crate::diagnose::in_question::{InQuestion, in_question};
