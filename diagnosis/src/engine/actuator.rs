@@ -26,7 +26,7 @@ const WIDTH: Width = Width {
     while_better: 3,
     swapped: 2,
 };
-/// Number of parts that are tried with each model that already has one.
+/// Number of parts that are tried with each model that has any part or freed parameter.
 const BESIDE: usize = 4;
 /// Largest number of parts and parameters of a model.
 const LARGEST: usize = 4;
@@ -256,8 +256,8 @@ impl<'a, 'b> Search<'a, 'b> {
         })
     }
 
-    /// Removes from a model's claims, one at a time, each part of order without which it still leaves no more than
-    /// noise and what any position loop leaves beyond its lag.
+    /// Removes from a model's claims, one at a time, each higher-order feature without which it still leaves no more
+    /// than noise and what any position loop leaves beyond its lag.
     fn know_order(&self, f: &mut ActuatorModelFit) {
         let target = &self.data.target;
         let mean = target.iter().sum::<f64>() / target.len() as f64;

@@ -57,7 +57,7 @@ pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Give of a self-centring joint: it slips beyond `out`, and on the way back slips back by what exceeds `back`.
+/// Give of a self-centring joint: at least the excess of the motion over `out`, at most that over `back`.
 pub fn returned(x: &[f64], out: f64, back: f64) -> Vec<f64> {
     let mut slip = 0.0_f64;
     let give = |x: &f64| {

@@ -76,7 +76,7 @@ fn only_line_hz(x: &[f64], interval_s: f64) -> Option<f64> {
         .collect();
     let whole: f64 = speed.iter().sum();
     let at = (0..speed.len()).max_by(|a, b| speed[*a].total_cmp(&speed[*b]))?;
-    // A Hann window spreads a line, a growing amplitude by a bin or two; a resonance is wider.
+    // A Hann window spreads a line, and a growing amplitude adds a bin or two; a resonance is wider.
     let room = 3 + at / 50;
     let own: f64 = speed[at.saturating_sub(room)..(at + room + 1).min(speed.len())]
         .iter()

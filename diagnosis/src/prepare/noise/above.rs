@@ -19,8 +19,8 @@ const WIDE: f64 = 6.0;
 const ALIKE: f64 = 0.7;
 /// Smallest part of the spectrum that must lie above the motion; otherwise its last part gives a guess.
 const ROOM: f64 = 0.2;
-/// Low-passed noise has more power below the motion's band than can be seen above it: this factor on average, if the
-/// lowest band is the highest and the spectrum keeps rising below it.
+/// Low-passed noise is larger below the motion's band than can be seen above it: by this factor in rms, on average, if
+/// the lowest band is the highest and the spectrum keeps rising below it.
 const HIDDEN: f64 = 1.15;
 /// Median over mean of an averaged periodogram of 30 windows.
 const MEDIAN: f64 = 0.98;
