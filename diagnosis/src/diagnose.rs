@@ -45,13 +45,13 @@ pub struct Diagnosis {
     pub improved: Model,
 }
 
-/// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
+/// Finds what `model` lacks to explain `train`, and judges it on `test`, which is not used in the search.
 ///
-/// `rest` are records in which nothing moves; without any, the rest before and after the motion is looked for in the
-/// training data.
+/// `rest` are records in which nothing moves; if there are none, the rest before and after the motion is searched for
+/// in the training data.
 ///
 /// # Errors
-/// Data or a model that cannot be judged, in one sentence; see [`Recording::check`] and [`Model::check`].
+/// Data or a model that cannot be judged, described in one sentence; see [`Recording::check`] and [`Model::check`].
 pub fn diagnose(
     model: &Model,
     train: &[Recording],
@@ -94,7 +94,7 @@ pub fn diagnose(
         refit::state_probabilities(&mut answer);
         channel.state_refit(&mut answer, &mut improved);
         channel.save_nearest(&answer, &mut improved);
-        // Hum, steps of the converter or a disturbance beside it are something.
+        // Hum, converter steps or a disturbance in addition mean that the channel is not merely ordinary.
         answer.ordinary &= answer.verdict == Verdict::None;
         correct_errors(&mut answer, train, test);
         channels.push(answer);
@@ -122,7 +122,7 @@ pub fn diagnose(
     })
 }
 
-/// Errors are of what was measured: residuals hold a 0 where nobody did.
+/// Restricts errors to measured samples: residuals are 0 where nothing was measured.
 fn correct_errors(answer: &mut ChannelAnswer, train: &[Recording], test: &[Recording]) {
     let [train, test] = [train, test].map(|records| {
         let all: usize = records.iter().map(|r| r.time_s.len()).sum();
@@ -175,12 +175,12 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// The records as this channel sees them.
+    /// The records as seen by this channel.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
         Problem::new(&self.base, records, cutoff_hz, &[])
     }
 
-    /// As [`assess`](Self::assess), unless a rail of the output passes for another effect there.
+    /// Like [`assess`](Self::assess), unless the output sits at a rail that would be mistaken for another effect.
     fn judge(&self, improved: &mut Model) -> ChannelAnswer {
         let mut with = improved.clone();
         let mut answer = self.assess(&mut with);

@@ -2,25 +2,25 @@
 //!
 //! # Method
 //!
-//! Regression lowers an error and names no cause. Here sets of laws, and of declared parameters that leave their tolerances, are fitted
-//! to a channel together, scored on blocks of the training data that were left out, and weighed against each other, against nothing, and
-//! against free functions that have no name. What comes of it is how probable each name is. The answer is a name, a set of which these
-//! data cannot tell one, nothing, or "unknown"; held-out data say what it is worth.
+//! Regression lowers an error but names no cause. Here sets of laws, and of declared parameters that leave their
+//! tolerances, are fitted to a channel together and scored on blocks of training data that were left out. They compete
+//! with each other, with nothing, and with free functions without a name, which gives each name a probability. The
+//! answer is a name, a set of which these data cannot tell one, nothing, or "unknown"; held-out data judge it.
 //!
 //! # Layers
 //!
-//! A folder imports from those above it alone.
+//! A folder imports only from those above it.
 //!
-//! | folder | what it knows |
+//! | folder | responsibility |
 //! |---|---|
-//! | `numbers`, `criteria` | arithmetic on signals; thresholds that several use, with their reasons |
-//! | `record` | a record as it was taken: stamps, rests, band |
-//! | `laws` | what may be in a rig, as equations |
-//! | `model` | what is declared, and what is said of a channel |
-//! | `prepare` | what is known before anything is searched: refusals, noise, what the motion can tell |
+//! | `numbers`, `criteria` | arithmetic on signals; thresholds used in several places, with their reasons |
+//! | `record` | a record as it was taken: time stamps, rests, band |
+//! | `laws` | the equations of what a rig may contain |
+//! | `model` | what is declared, and the answer for a channel |
+//! | `prepare` | what is known before the search: refusals, noise, what the motion can tell |
 //! | `engine` | the one search, score, posterior and verdict |
 //! | `diagnose` | the answer for a channel, several coordinates, a dial, a witness |
-//! | `next` | the test that tells apart what is open |
+//! | `next` | the test that tells the open causes apart |
 
 mod criteria;
 mod diagnose;

@@ -19,7 +19,7 @@ use plant::{Channel, ChannelParameter, Effect, EffectSpec};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
+/// Checks an effect that an earlier diagnosis added to `channel`, using the wording of `plant.effects`.
 fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
     let place = format!("{channel}.effects");
     if effect.name == Effect::Quantisation {
@@ -41,7 +41,7 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
             effect.name
         )));
     }
-    // A form has parameters of its own, beside what the catalogue asks for.
+    // A form has its own parameters, in addition to those of the catalogue.
     let own = library::form_names(channel, effect);
     if let Some((name, value)) = own.iter().find_map(|name| {
         let value = effect.parameters.get(*name)?;
@@ -217,7 +217,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether every number can be what it stands for.
+    /// Checks that every number is admissible.
     ///
     /// # Errors
     /// A value that is not finite, a negative tolerance, a negative delay, lag or mass, a limit that is not above 0.

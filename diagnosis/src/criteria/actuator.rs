@@ -1,13 +1,13 @@
-//! What an actuator's records are searched by, each with its reason.
+//! Thresholds of the search in an actuator's records, each with its reason.
 
-/// A noise may be so many times what is reached by chance.
+/// Ratio of a stated noise to the error reached that may be chance.
 pub const BY_CHANCE: f64 = 1.1;
 
-/// Samples that a search makes do with.
+/// Number of samples sufficient for a search.
 pub const SEARCHED: usize = 4000;
-/// Samples a cycle of the band's end that averaging leaves, and that it leaves where there would be too many.
+/// Samples per cycle of the band's end after averaging, and after averaging if there would be too many samples.
 pub const A_CYCLE: [f64; 2] = [20.0, 12.0];
-/// More samples than these are too many.
+/// More samples than this are too many.
 pub const TOO_MANY: usize = 8000;
-/// No more of a record than this share only settles the model.
+/// Largest fraction of a record that may only settle the model.
 pub const MOST_SETTLING: f64 = 0.05;

@@ -2,41 +2,41 @@
 
 // Records that cannot be of the declared rig.
 
-/// Factor beyond which a proportion is a slip of units.
+/// Factor beyond which a ratio indicates wrong units.
 pub const SLIP: f64 = 250.0;
-/// A force whose work is less than this share of what it would take that always resisted drives the motion: a damper takes
-/// all, a spring and a mass take nothing; a spring that is read late by an eighth of a period gives 0.88 of it.
+/// A force drives the motion if its work is below this fraction of that of the same force always resisting: a damper
+/// has all of that work, a spring or a mass none; a spring that is read late by an eighth of a period gives 0.88 of it.
 pub const GIVES: f64 = -0.95;
-/// The fewest samples of all training records, and of all test records, together.
+/// Fewest samples of all training records together, and of all test records.
 pub const FEWEST_IN_ALL: usize = 200;
-/// A record of an actuator is too slow where its delay and lag are over within this share of an interval.
+/// A record is too slow for an actuator if its delay and lag are over within this fraction of an interval.
 pub const OVER: f64 = 0.1;
-/// Samples that stay at an end to the bit for so long are one stop there.
+/// Samples that stay at an end to the bit for this long are one stop there.
 pub const STOP: usize = 10;
-/// So many stops are a rail; a rest at one end is one.
+/// Number of stops that indicate a rail; a single one may be a rest at an end.
 pub const STOPS: usize = 3;
-/// Of what the driving signal moves during a stop: the share by which it must go on and come back.
+/// Fraction of the drive's return during a stop by which it must first have gone on.
 pub const GOES_ON: f64 = 0.15;
-/// The same of its whole range: less is its noise while everything holds.
+/// The same, as a fraction of the drive's whole range: less is its noise during a hold.
 pub const GOES_FAR: f64 = 0.02;
-/// Share of the spring's force from which on a declared mass may turn the sign of the whole.
+/// Fraction of the spring's force from which a declared mass may reverse the sign of the total.
 pub const HEAVY: f64 = 0.3;
 
-// Mistakes in a record.
+// Errors in a record.
 
-/// How near a ratio must be to the factor between two units, as a share of it: what a declared value may be off.
+/// Tolerance of a ratio relative to a factor between two units: the error that a declared value may have.
 pub const NEAR: f64 = 0.06;
-/// Channels that belong together follow each other at least so well.
+/// Smallest correlation of channels that belong together.
 pub const FOLLOWS: f64 = 0.8;
-/// A channel is dead that stays the same to the bit for so long, s,
+/// A channel is dead if it is constant to the bit for this long, s,
 pub const DEAD_S: f64 = 0.5;
-/// while its input moves by this share of its range.
+/// while its input moves by this fraction of its range.
 pub const MOVES: f64 = 0.3;
-/// A single sample leaves its neighbours by so many times what nine tenths of all samples leave theirs by,
+/// A single sample is an outlier if it deviates from its neighbours by this multiple of what nine tenths of samples do,
 pub const LEAVES: f64 = 20.0;
-/// and by this share of the channel's range,
+/// and by this fraction of the channel's range,
 pub const FAR: f64 = 0.02;
-/// while its neighbours differ from each other by at most this share of that.
+/// while its neighbours differ from each other by at most this fraction of that.
 pub const BACK: f64 = 0.3;
-/// So many of them are no chance.
+/// Fewest outliers that are no coincidence.
 pub const FEWEST_OUTLIERS: usize = 3;

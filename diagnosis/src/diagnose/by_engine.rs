@@ -1,4 +1,4 @@
-//! What the one engine says of a channel, as an answer.
+//! Turns the engine's result for a channel into an answer.
 
 use super::channel::ChannelDiagnosis;
 use super::found::while_moving;
@@ -20,46 +20,46 @@ use crate::prepare::noise::{Noise, NoiseSource};
 use crate::record::recording::Recording;
 use plant::{Channel, Effect};
 
-/// The low-pass of a displacement is nothing from so many times its cut-off on.
+/// Multiple of its cut-off beyond which the displacement's low-pass passes nothing.
 const PASSES: f64 = 1.3;
 
-/// What a model leaves of training and held-out records.
+/// Residuals of a model on training and held-out records.
 type Left = [Vec<Vec<f64>>; 2];
 
-/// What is left of records, rms, and as a share of what they answer.
+/// Size of a residual: rms, and as a fraction of the output.
 #[derive(Clone, Copy)]
 struct Share {
     rms: f64,
     nrmse: f64,
 }
 
-/// A channel's data in the engine, and its records without what the model already has.
+/// A channel's data in the engine, and its records without the contribution of effects already in the model.
 struct ChannelData<'a, A> {
     data: &'a A,
     bare: [&'a [Recording]; 2],
     noise: Noise,
-    /// A rest tells the noise.
+    /// True if a rest determines the noise.
     told: bool,
-    /// Where the displacement is cut off, Hz.
+    /// Cut-off of the displacement, Hz.
     cutoff_hz: f64,
-    /// What is left below this share of the output is within the class of a good transducer: a name that is sure stands where a rest
-    /// tells that it is no noise.
+    /// A residual below this fraction of the output is within the class of a good transducer. A sure name is still
+    /// given there if a rest shows that the residual is not noise.
     transducer: f64,
-    /// Below this share of the output is what any device of its kind leaves of a model that has what all of them have.
+    /// Fraction of the output that any device of its kind leaves of a model with the usual parts.
     ordinary: f64,
 }
 
-/// What has no name of an actuator.
+/// Note for an unnamed cause in an actuator.
 const SAGS: &str = "The ram is slower for some tenths of a second after it has moved fast, as where the supply's pressure sags: look at the \
                     accumulator, the pump and the pressure at the valve.";
 
 impl<A: Asked> ChannelData<'_, A> {
-    /// Whether what the declared model leaves is so little that no name stands: within the class of a good transducer.
+    /// True if the residual of the declared model is too small for any name: within the class of a good transducer.
     fn is_of_its_class(&self, said: &Said<A::Fit>, left: Share) -> bool {
         left.nrmse < self.transducer && !(self.told && matches!(said, Said::Names(_)))
     }
 
-    /// What is left, of what is no noise where a rest tells that, is what any device of its kind leaves.
+    /// True if the residual, less the noise if a rest determines it, is no more than any device of its kind leaves.
     fn is_ordinary(&self, left: Share) -> bool {
         let noise = if self.told { self.noise.rms } else { 0.0 };
         left.nrmse * (1.0 - (noise / left.rms).powi(2)).max(0.0).sqrt() < self.ordinary
@@ -74,7 +74,7 @@ impl<A: Asked> ChannelData<'_, A> {
     }
 }
 
-/// Records without the mains in their displacement: that is in the cable, and nothing moves by it.
+/// Records without mains hum in their displacement: it is picked up by the cable and moves nothing.
 pub(super) fn without_mains(records: &[Recording]) -> Vec<Recording> {
     let quiet = |r: &Recording| Recording {
         displacement_mm: r.displacement_mm.as_ref().map(|x| without_hum(x, r)),
@@ -83,7 +83,7 @@ pub(super) fn without_mains(records: &[Recording]) -> Vec<Recording> {
     records.iter().map(quiet).collect()
 }
 
-/// Names that an answer takes in, with the model that has them.
+/// Names for the answer, with the model that contains them.
 struct Given<'a, F> {
     candidate: &'a Candidate<F>,
     names: &'a [(Effect, f64)],
@@ -101,7 +101,7 @@ impl<'a, F> Given<'a, F> {
 }
 
 impl ChannelDiagnosis<'_> {
-    /// What the one engine says; `None` where a signal is missing or nothing tells the noise.
+    /// Result of the engine for a specimen; `None` if a signal is missing or the noise cannot be determined.
     pub(super) fn specimen_by_engine(&self, improved: &mut Model) -> Option<ChannelAnswer> {
         let [train, test] = [self.train, self.test].map(without_mains);
         let train = without_known(&self.base, &train)?;
@@ -127,7 +127,7 @@ impl ChannelDiagnosis<'_> {
         self.answer_of(&channel, &found, improved)
     }
 
-    /// The same of an actuator.
+    /// Result of the engine for an actuator.
     pub(super) fn actuator_by_engine(
         &self,
         noise: Noise,
@@ -155,7 +155,7 @@ impl ChannelDiagnosis<'_> {
         self.answer_of(&channel, &found, improved)
     }
 
-    /// What was found in a channel, as an answer.
+    /// Turns what was found in a channel into an answer.
     fn answer_of<A: Asked>(
         &self,
         channel: &ChannelData<A>,
@@ -164,7 +164,7 @@ impl ChannelDiagnosis<'_> {
     ) -> Option<ChannelAnswer> {
         let declared = channel.data.settled(&found.declared);
         let before = channel.left(&declared)?;
-        // Names are given by what is left of the training data: the held-out ones judge them.
+        // The training residual decides which names are given; held-out data judge them.
         let trained = self.share(&before[0], self.train);
         let mut answer = self.blank(Verdict::None);
         answer.error_before = self.errors_left(&before);
@@ -179,7 +179,7 @@ impl ChannelDiagnosis<'_> {
             Said::Nothing => {
                 answer.ordinary = is_ordinary && channel.data.is_of_higher_order(&found.nothing);
             }
-            // A sound ram has a supply that does not sag.
+            // In a sound ram the supply does not sag.
             said if is_ordinary && !(sags && matches!(said, Said::Unknown(_))) => {
                 answer.ordinary = true;
             }
@@ -211,7 +211,7 @@ impl ChannelDiagnosis<'_> {
         if answer.verdict == Verdict::None {
             self.quantisation(&self.noise(self.cutoff_hz())?, &mut answer);
         } else if !channel.told {
-            // Stated is the force's own, where the best model leaves least else; of `none` what is left is the noise.
+            // Report the output's own noise, read where the best model leaves little else; for `none`, the residual.
             let own = self.own_noise(&kept[0], PASSES * channel.cutoff_hz);
             let felt = &mut answer.noise_floor_rms;
             *felt = own.map_or(*felt, |own| own.min(*felt));
@@ -225,7 +225,7 @@ impl ChannelDiagnosis<'_> {
         Some(answer)
     }
 
-    /// What is left of records, of which the first samples may have settled the model.
+    /// Size of residuals, which may be shorter than their records if the first samples only settled the model.
     fn share(&self, left: &[Vec<f64>], records: &[Recording]) -> Share {
         let own = records.iter().zip(left);
         let judged = own.filter_map(|(r, left)| Some(end_of(self.target_of(r)?, left.len())));
@@ -235,7 +235,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Errors of what a model leaves of training and held-out records.
+    /// Errors from a model's residuals on training and held-out records.
     fn errors_left(&self, [train, test]: &Left) -> Errors {
         let test = self.share(test, self.test);
         Errors {
@@ -245,8 +245,8 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Takes names into the answer and their model into the improved one, where the held-out data bear them out; what is left then.
-    /// They judge what was chosen, and do not choose.
+    /// Puts names into the answer and their model into `improved`, if the held-out data confirm them; returns the
+    /// residuals. Held-out data judge the choice; they do not make it.
     fn take_named<A: Asked>(
         &self,
         answer: &mut ChannelAnswer,
@@ -263,18 +263,18 @@ impl ChannelDiagnosis<'_> {
         let after = channel.left(fit)?;
         let errors = self.errors_left(&after);
         let gain = interval::improvement(&before[1], &after[1], self.train[0].interval_s());
-        // What does not come down to the noise must account for most of it: a law that is not in the table may be the cause.
+        // A model that does not reach the noise must explain most: a law not in the table may be the cause.
         let most = if candidate.evidence.left_rms() < 1.0 {
             1.0 - WORTH_A_NAME
         } else {
             SET_LEAVES
         };
-        // Of what is no noise, where a rest tells that.
+        // Without the noise, if a rest determines it.
         let noise = if channel.told { channel.noise.rms } else { 0.0 };
         let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
         let left = self.without_refit_of(&candidate.names, answer.error_before.test_rms);
         let [had, has] = [left, errors.test_rms].map(beyond);
-        // Data that have died down to the noise speak neither way.
+        // Held-out data that have died down to the noise are evidence neither way.
         if had.max(has) > 0.0 && (has > most * had || gain[0] <= 0.0 && !is_set) {
             answer.verdict = Verdict::Unknown;
             let left = [&before[1][..], &after[1]];
@@ -326,8 +326,8 @@ impl ChannelDiagnosis<'_> {
         Some(after)
     }
 
-    /// What a model of these names is judged by, rms of the held-out records: where an error of a declared parameter is among them, the
-    /// refit within the tolerances has taken a part of it.
+    /// Held-out rms error, the baseline for a model of these names. If one of them is an error of a declared parameter,
+    /// the refit within the tolerances has already taken part of it, so the declared model counts.
     fn without_refit_of(&self, names: &[Effect], refitted: f64) -> f64 {
         let parameters = self.base.channel.parameters();
         let is_error = |name: &Effect| parameters.iter().any(|p| p.error == *name);
@@ -335,7 +335,7 @@ impl ChannelDiagnosis<'_> {
         declared.flatten().map_or(refitted, |d| d.max(refitted))
     }
 
-    /// A model that cannot be vouched for, and what it explains of the held-out squares.
+    /// A model that was not confirmed, and the fraction of the held-out squares that it explains.
     fn nearest<A: Asked>(
         &self,
         name: Effect,
@@ -347,7 +347,7 @@ impl ChannelDiagnosis<'_> {
         let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
         let mut model = model.bare(self.base.channel);
         data.save(fit, &mut model);
-        // What no model can have is not written: a file that is saved is read back.
+        // Do not save an inadmissible model: a saved file must be readable again.
         let own = model.channel(self.base.channel);
         let own = own.filter(|_| model.check().is_ok());
         Nearest {
@@ -358,7 +358,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// What stands beside names that are sure.
+    /// Adds what is still open besides sure names.
     fn say_beside<F>(&self, answer: &mut ChannelAnswer, named: &Named<F>) {
         let open = named.more && !named.lead && !named.beside.is_empty();
         if open {

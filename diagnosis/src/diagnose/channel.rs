@@ -1,16 +1,16 @@
-//! One channel and the records that it is judged by.
+//! A channel and the records used to judge it.
 
 use crate::model::base::Base;
 use crate::record::recording::Recording;
 use plant::Channel;
 
-/// One channel and its data.
+/// A channel and its data.
 pub struct ChannelDiagnosis<'a> {
-    /// What is declared.
+    /// The declared model.
     pub base: Base,
-    /// Records to search in.
+    /// Records for the search.
     pub train: &'a [Recording],
-    /// Records to judge by.
+    /// Records for the judgement.
     pub test: &'a [Recording],
     /// Records in which nothing moves.
     pub rest: &'a [Recording],

@@ -1,4 +1,4 @@
-//! What is left at corners of the motion alone: there damping and mass feel what the displacement does not show.
+//! Residuals only at corners of the motion: there damping and mass respond to what the displacement does not show.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::specimen::{CORNER, MOST_CORNERS};
@@ -15,21 +15,21 @@ use crate::record::spectrum::{Motion, motion_band_hz, smooth};
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
 
-/// Cut-offs that are tried, each the root of two times the one before it.
+/// Number of cut-offs tried, each the square root of two times the previous one.
 const CUTOFFS: usize = 7;
-/// Half an octave of cut-offs each way: by what lies between one and twice it a corner is told from noise.
+/// Half-octave steps per octave of cut-offs: the content between a cut-off and twice it tells a corner from noise.
 const OCTAVE: usize = 2;
-/// Periods of the cut-off to either side of a corner in which it is felt.
+/// Periods of the cut-off to either side of a corner within which it has an effect.
 const FELT: f64 = 0.75;
-/// The largest share of the sampling rate for a cut-off whose double still has samples.
+/// Largest cut-off, as a fraction of the sampling rate, whose double the samples still resolve.
 const MOST_RATE: f64 = 0.24;
 
-/// A record below a cut-off: what displacement, velocity, acceleration and an offset make of one unit of each declared parameter,
-/// and the force, where the motion has no corner.
+/// A record below a cut-off, where the motion has no corner: the force, and the contributions of displacement,
+/// velocity, acceleration and an offset for one unit of each declared parameter.
 struct Smooth {
     columns: Vec<Vec<f64>>,
     force: Vec<f64>,
-    /// Share of the moving samples that are at corners.
+    /// Fraction of the moving samples that are at corners.
     at_corners: f64,
 }
 
@@ -42,7 +42,7 @@ impl Smooth {
 }
 
 impl ChannelDiagnosis<'_> {
-    /// Takes `unknown` back where the declared specimen leaves no more than noise but at corners of the motion.
+    /// Withdraws `unknown` if the declared specimen leaves no more than noise except at corners of the motion.
     pub(super) fn allow_for_corners(&self, answer: &mut ChannelAnswer) {
         let [_, c, m, _] = self.base.values;
         let feels = c != 0.0 || m != 0.0;
@@ -66,8 +66,8 @@ impl ChannelDiagnosis<'_> {
         )];
     }
 
-    /// What the declared specimen, within its tolerances, leaves beside the corners of the held-out motion, N rms, and the corners'
-    /// share; `None` where that is more than `most` or the motion has nothing but corners.
+    /// Residual of the declared specimen, within its tolerances, away from corners of the held-out motion, N rms, and
+    /// the fraction of corners; `None` if the residual exceeds `most` or the motion has nothing but corners.
     fn beside_corners(&self, most: f64) -> Option<(f64, f64)> {
         let bare = |set| without_known(&self.base, set);
         let (train, test) = (bare(self.train)?, bare(self.test)?);
@@ -117,7 +117,7 @@ impl ChannelDiagnosis<'_> {
         None
     }
 
-    /// A record without its rests and without the corners of its motion; `None` where it has nothing else.
+    /// A record without its rests and without the corners of its motion; `None` if nothing is left.
     fn smooth(&self, r: &Recording, [low, high]: [&Motion; 2], hz: f64) -> Option<Smooth> {
         let [_, c, m, _] = self.base.values;
         let moving = rest::moving(r);
@@ -131,7 +131,7 @@ impl ChannelDiagnosis<'_> {
         let noise = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745;
         let width = (FELT / (hz * r.interval_s())) as usize;
         let mut judged = vec![true; felt.len()];
-        // Nobody knows how the motion goes on beyond the ends of a record.
+        // The motion beyond the ends of a record is unknown.
         let last = felt.len() - 1;
         for i in (0..=last).filter(|i| *i == 0 || *i == last || felt[*i] > CORNER * noise) {
             let end = (i + width + 1).min(felt.len());
@@ -160,7 +160,7 @@ impl ChannelDiagnosis<'_> {
         })
     }
 
-    /// The declared parameters at their best within their tolerances.
+    /// The declared parameters, fitted within their tolerances.
     fn within(&self, records: &[Smooth]) -> Option<Vec<f64>> {
         let n = self.base.values.len();
         let sum = |of: &dyn Fn(&Smooth) -> f64| records.iter().map(of).sum::<f64>();

@@ -1,8 +1,8 @@
-//! A dial: records in which one thing of the rig was turned, such as the tension of a brake. The number of the right name follows it,
-//! and nothing else does.
+//! A dial: records with different settings of one thing in the rig, such as the tension of a brake. The number of the
+//! right name follows it, and nothing else does.
 //!
-//! Each record is fitted with the name that the diagnosis gave, and each of its halves alone, which tells how sure a number is where
-//! the model is not exact.
+//! Each record is fitted with the name that the diagnosis gave. So is each of its halves, which shows how certain a
+//! number is even if the model is not exact.
 
 use crate::criteria::REACH;
 use crate::diagnose::Diagnosis;
@@ -19,19 +19,19 @@ use plant::{Channel, Effect};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A number that follows the dial changes by so many times what the halves of a record differ by.
+/// A number that follows the dial changes by this multiple of the difference between a record's halves,
 const TOLD: f64 = 3.0;
-/// What makes the noise of a displacement is above so many times the band of the motion.
+/// Multiple of the motion's band above which a displacement is noise.
 const BANDS: f64 = 5.0;
-/// And by this share of its largest value at least.
+/// and by at least this fraction of its largest value.
 const WORTH: f64 = 0.1;
 
-/// A record, and where the dial stood.
+/// A record with its setting of the dial.
 #[derive(Clone, Debug)]
 pub struct Dose {
-    /// Where the dial stood, in its own unit.
+    /// Setting of the dial, in its own unit.
     pub at: f64,
-    /// What was recorded then.
+    /// The records taken at that setting.
     pub records: Vec<Recording>,
 }
 
@@ -74,7 +74,7 @@ impl Turned {
     }
 }
 
-/// How every name in the answers of a `diagnosis` with `model` goes with the dial; the preferred one of a set. Doses are in any order.
+/// How each name in a `diagnosis` with `model` varies with the dial; of a set the preferred one. Any order of doses.
 pub fn turned(model: &Model, diagnosis: &Diagnosis, doses: &[Dose]) -> Vec<Turned> {
     let mut doses: Vec<&Dose> = doses.iter().collect();
     doses.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -85,7 +85,7 @@ pub fn turned(model: &Model, diagnosis: &Diagnosis, doses: &[Dose]) -> Vec<Turne
     all.iter().filter_map(of).collect()
 }
 
-/// One name; `None` where a record lacks a signal or cannot be fitted.
+/// For one name; `None` if a record lacks a signal or cannot be fitted.
 fn of_name(
     without: &Model,
     answer: &ChannelAnswer,
@@ -93,7 +93,7 @@ fn of_name(
     doses: &[&Dose],
 ) -> Option<Turned> {
     let channel = answer.channel;
-    // What goes by one name at one setting may go by its rival's at another: the best of them counts.
+    // A cause with one name at one setting may get its rival's at another: the best of them counts.
     let wanted = |n: Effect| {
         n == name || answer.alternatives.contains(&n) || n.entry().family == name.entry().family
     };
@@ -148,7 +148,7 @@ fn of_name(
     for (i, p) in channel.parameters().iter().enumerate() {
         let Some(own) = declared[i] else { continue };
         let number = number(p.name.to_owned(), false, &|fit| Some(fit.of.declared[i]));
-        // Within what was declared it follows nothing.
+        // Within its declared tolerance it follows nothing.
         numbers.extend(number.map(|n| DialNumber {
             follows: n.follows && range(&n.values) > REACH * own.tolerance,
             ..n
@@ -164,12 +164,12 @@ fn of_name(
     })
 }
 
-/// The best model of a setting.
+/// The best model at a setting.
 struct Fitted {
     of: OfOneName,
-    /// What its law makes of force or motion, rms.
+    /// Its law's contribution to force or motion, rms.
     makes_rms: f64,
-    /// Share of force or motion that it leaves.
+    /// Fraction of force or motion that it leaves.
     left: f64,
 }
 
@@ -195,7 +195,7 @@ impl Fitted {
     }
 }
 
-/// Goes one way, by more than the halves differ and by what is worth a word.
+/// True if the values are monotonic, and change by more than the halves differ and than is worth mentioning.
 fn follows(values: &[f64], halves_differ: f64) -> bool {
     let rises = values.windows(2).all(|v| v[1] > v[0]);
     let falls = values.windows(2).all(|v| v[1] < v[0]);

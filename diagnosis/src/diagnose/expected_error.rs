@@ -1,26 +1,26 @@
-//! The error of the next test, before it has run: what a model will leave of a motion that is known.
+//! The error of the next test before it is run: what a model will leave of a known motion.
 
 use crate::numbers::linear::dot;
 
-/// Blocks that it is predicted from.
+/// Number of blocks used for the prediction.
 const BLOCKS: usize = 12;
-/// Student's t at 95 % for as many blocks.
+/// Student's t at 95 % for this number of blocks.
 const T_95: f64 = 1.796;
-/// Share of the scatter of blocks that another test has as a whole: blocks of one test are alike.
+/// Fraction of the blocks' scatter that another test has as a whole: blocks of one test are alike.
 const SHARED: f64 = 0.5;
-/// How far two tests of one rig differ anyway, in the logarithm of their errors: another day, another oil.
+/// Difference between any two tests of one rig, in the logarithm of their errors: another day, another oil.
 const ANOTHER_DAY: f64 = 0.05;
-/// Scatter of the blocks' sizes, squared and summed, from which on they tell how an error grows with the motion.
+/// Scatter of the blocks' sizes, squared and summed, from which on they show how an error grows with the motion.
 const TELLING: f64 = 0.3;
-/// How badly that growth is known at most.
+/// Largest uncertainty of that growth.
 const GROWTH: f64 = 0.3;
 
-/// 90 % interval of the rms that a model will leave of another test. `rests` are what it leaves of the records that it was
-/// fitted to and `answers` what it answers to them, record by record; `planned` what it answers to the other test.
+/// 90 % interval of the rms that a model will leave of another test. `rests` are its residuals on the records that it
+/// was fitted to, `answers` its responses to them, by record; `planned` are its responses to the other test.
 ///
-/// The logarithm of the rest's rms is taken block by block against that of the answer's, which tells by which power of the
-/// motion an error grows (0: noise; 1: a wrong parameter); the scatter about that line, the uncertainty of its slope and the
-/// difference between two days make the interval.
+/// The logarithm of the residual's rms, block by block, is regressed on that of the response's. The slope is the power
+/// of the motion with which an error grows (0: noise; 1: a wrong parameter). The scatter about that line, the
+/// uncertainty of its slope and the difference between two days make the interval.
 pub fn next_error(rests: &[Vec<f64>], answers: &[Vec<f64>], planned: &[Vec<f64>]) -> [f64; 2] {
     let left = log_sizes(&rests.concat(), 0.0);
     let whole = answers.concat();
@@ -36,7 +36,7 @@ pub fn next_error(rests: &[Vec<f64>], answers: &[Vec<f64>], planned: &[Vec<f64>]
     let about = left.iter().zip(&off);
     let about = about.map(|(l, o)| (l - mean_left - growth * o).powi(2));
     let variance = about.sum::<f64>() / (n - 2.0);
-    // Of mean squares, not of logarithms: the largest blocks make most of an rms.
+    // Mean squares, not logarithms: the largest blocks dominate an rms.
     let square = |sizes: &[f64]| {
         let each = sizes.iter().map(|s| (2.0 * growth * s).exp());
         each.sum::<f64>() / sizes.len() as f64
@@ -54,7 +54,7 @@ pub fn next_error(rests: &[Vec<f64>], answers: &[Vec<f64>], planned: &[Vec<f64>]
     [(middle - half).exp(), (middle + half).exp()]
 }
 
-/// Logarithms of the rms of each block about a mean.
+/// Logarithms of the blocks' rms, relative to a mean.
 fn log_sizes(x: &[f64], mean: f64) -> Vec<f64> {
     let n = x.len();
     let whole = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n.max(1) as f64;

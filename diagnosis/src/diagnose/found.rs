@@ -1,4 +1,4 @@
-//! Errors of the declared model, and what is said where the converter's steps are all that it leaves.
+//! Errors of the declared model, and the answer if converter steps are its only residual.
 
 use super::channel::ChannelDiagnosis;
 use crate::model::answer::*;
@@ -10,7 +10,7 @@ use crate::record::recording::Recording;
 use crate::record::{converter_step, rest};
 use plant::{Channel, Effect};
 
-/// The held-out data as a problem, and what an answer leaves of them.
+/// The held-out data as a problem, and an answer's residuals on them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
 
 impl ChannelDiagnosis<'_> {
@@ -26,7 +26,7 @@ impl ChannelDiagnosis<'_> {
             ..Errors::default()
         };
         let held_out = self.problem(self.test, cutoff_hz).map(|mut problem| {
-            // The base answer at the parameters of the fit; the shapes are measured by the training data.
+            // The plain response at the fitted parameters; shapes are relative to the training data's sizes.
             problem.scales = settled.scales;
             problem.set(&self.base, settled.theta);
             let residuals = problem.residuals();
@@ -39,7 +39,7 @@ impl ChannelDiagnosis<'_> {
         (errors, held_out)
     }
 
-    /// The declared model, where the converter's steps are all that it leaves.
+    /// The answer of the declared model, if converter steps are its only residual.
     pub(super) fn nothing_but_steps(
         &self,
         settled: &Problem,
@@ -62,7 +62,7 @@ impl ChannelDiagnosis<'_> {
         answer
     }
 
-    /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
+    /// Names the converter's steps if they are the whole noise; their size is read from the values themselves.
     pub(super) fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
         let step = self.output_step();
         let room = self
@@ -80,7 +80,7 @@ impl ChannelDiagnosis<'_> {
             Channel::Specimen => ("step_n", "N"),
         };
         answer.verdict = Verdict::Effect;
-        // What a converter of 12 bits behind the steps makes of them.
+        // What a 12-bit converter after the steps makes of them.
         let ci90 = [step - room, step + room];
         let parameters = [(name, unit, step, ci90)];
         answer.effects = vec![FoundEffect::new(Effect::Quantisation, parameters)];
@@ -100,7 +100,7 @@ impl ChannelDiagnosis<'_> {
     }
 }
 
-/// What is left of records while they move, rms: in a rest friction holds any force.
+/// Rms residual while the records move: at rest friction holds any force.
 pub(super) fn while_moving(left: &[Vec<f64>], records: &[Recording]) -> f64 {
     let moving = |(r, left): (&Recording, &Vec<f64>)| {
         let skipped = r.time_s.len() - left.len();

@@ -1,4 +1,4 @@
-//! Held-out data that leave more than the training data.
+//! Held-out data with a larger residual than the training data.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, TRANSDUCER};
@@ -7,12 +7,12 @@ use crate::prepare::advice::four;
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {
-    /// `none` holds where what is left is not most of the output, and where the held-out data leave no more than noise, too: else
-    /// something acts there that the training data do not show.
+    /// `none` holds if the residual is not most of the output, and if the held-out data leave no more than noise, too:
+    /// otherwise something acts there that the training data do not show.
     pub(super) fn check_none_on_held_out(&self, answer: &mut ChannelAnswer) {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
-            // An ordinary ram leaves of one motion what it leaves of another.
+            // An ordinary ram leaves the same fraction of any motion.
             Channel::Actuator if answer.ordinary => BESIDE_NOISE * answer.error_before.train_nrmse,
             Channel::Actuator => self.base.ordinary().max(DISPLACEMENT_TRANSDUCER),
             Channel::Specimen => TRANSDUCER,

@@ -1,4 +1,4 @@
-//! The mains in an actuator's reading: it stands in the rest and hides what else is missing, so it is taken off first.
+//! Mains hum in an actuator's reading: it is present at rest and hides other causes, so it is removed first.
 
 use super::by_engine::without_mains;
 use super::channel::ChannelDiagnosis;
@@ -12,8 +12,8 @@ use crate::prepare::noise::hum::lines_at_rest;
 use plant::{Channel, Effect};
 
 impl ChannelDiagnosis<'_> {
-    /// The answer without the hum of the displacement's reading, with that named; `None` where it is not what an answer without a
-    /// name leaves.
+    /// The answer without the hum of the displacement's reading, with the hum named; `None` if hum is not what an
+    /// answer without a name leaves.
     pub(super) fn beside_hum(
         &self,
         answer: &ChannelAnswer,
@@ -47,7 +47,7 @@ impl ChannelDiagnosis<'_> {
         };
         let mut beside = quiet.assess(improved);
         let amplitude_mm = std::f64::consts::SQRT_2 * hum_mm;
-        // A hum swells and fades with what else is on: by a tenth.
+        // Hum varies with other loads on the mains: by a tenth.
         let about = |x: f64, by: f64| [x - by, x + by];
         let bin_hz = 1.0 / (x.len() as f64 * longest.0.interval_s());
         let parameters = [

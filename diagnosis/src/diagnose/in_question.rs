@@ -1,4 +1,4 @@
-//! The names of an answer that another channel or another record is asked about, each with the model that lacks it.
+//! The names of an answer that another channel or record can test, each with the model that lacks it.
 
 use crate::diagnose::Diagnosis;
 use crate::model::Model;
@@ -8,15 +8,15 @@ use plant::Effect;
 /// A name in question.
 #[derive(Clone, Debug)]
 pub struct InQuestion<'a> {
-    /// The answer that gave it.
+    /// The answer that gave the name.
     pub answer: &'a ChannelAnswer,
-    /// The model without it.
+    /// The model without the name.
     pub without: Model,
-    /// The name; `None` where something is unknown and no name is near.
+    /// The name; `None` if something is unknown and no name is near.
     pub name: Option<Effect>,
 }
 
-/// Each name that is sure, the preferred one of a set, and where something is unknown the nearest.
+/// Each sure name, the preferred one of a set, and the nearest one if something is unknown.
 pub fn in_question<'a>(model: &Model, diagnosis: &'a Diagnosis) -> Vec<InQuestion<'a>> {
     let of = |answer: &'a ChannelAnswer| -> Vec<InQuestion<'a>> {
         let one = |without: Model, name| InQuestion {

@@ -1,16 +1,16 @@
-//! What a name covers beside what it says: other causes of the same force, and where and by how much that force changes.
+//! What a name also covers: other causes of the same force, and where and by how much that force changes.
 
 use crate::laws::specimen::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 use crate::model::answer::FoundEffect;
 use crate::prepare::advice::four;
 use plant::{Effect, Family};
 
-/// Exponents of speed that are in proportion for all that is meant by it.
+/// Exponents of speed that count as proportional.
 const PROPORTIONAL: std::ops::Range<f64> = 0.85..1.15;
-/// From this damping ratio on nothing overshoots by more than a sixth: nobody would call it ringing.
+/// From this damping ratio on nothing overshoots by more than a sixth, which nobody would call ringing.
 const RINGS: f64 = 0.5;
 
-/// A law of another power, an oil column that does not ring, a transducer that bends, and what changes a force.
+/// Notes on a law of another power, an oil column that does not ring, a transducer that bends, and changes of a force.
 pub fn interpretations(effects: &[FoundEffect]) -> Vec<String> {
     effects
         .iter()
@@ -18,7 +18,7 @@ pub fn interpretations(effects: &[FoundEffect]) -> Vec<String> {
         .collect()
 }
 
-/// What else than its name says may be the cause of an effect.
+/// Possible causes of an effect beyond its name.
 fn cause(e: &FoundEffect) -> Option<String> {
     match e.name {
         Effect::ViscousDamping | Effect::CoulombFriction => {

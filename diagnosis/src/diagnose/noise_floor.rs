@@ -1,4 +1,4 @@
-//! The noise floor of a channel: what tells it, and what its converters' steps make of it.
+//! The noise floor of a channel: how it is determined, and the contribution of converter steps.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::LOUD_REST;
@@ -17,7 +17,7 @@ use crate::record::{converter_step, rest, spectrum};
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {
-    /// Where the displacement ends and its noise begins.
+    /// Frequency that separates the displacement from its noise, Hz.
     pub(super) fn cutoff_hz(&self) -> f64 {
         let r = &self.train[0];
         let Some(x) = &r.displacement_mm else {
@@ -33,7 +33,7 @@ impl ChannelDiagnosis<'_> {
         spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
     }
 
-    /// The noise floor: from rest, else from the difference of one period to the next, else from above the motion.
+    /// The noise floor: from a rest, else from the difference between periods, else from above the motion.
     pub(super) fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
         let least = self
             .output_step()
@@ -56,7 +56,7 @@ impl ChannelDiagnosis<'_> {
         };
         if segments.is_empty() {
             for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
-                // Its first samples may not be looked at.
+                // Its first samples may have been skipped.
                 let skipped = r.time_s.len() - residual.len();
                 let spans = rest::spans(r).into_iter();
                 let spans = spans.filter(|s| s.1 > skipped && !self.rest_moves(r, *s));
@@ -79,7 +79,7 @@ impl ChannelDiagnosis<'_> {
                 let before = |i: usize| residual[i - motion.period];
                 let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
                 let mut changes: Vec<f64> = (motion.from..motion.end).map(change).collect();
-                // A tone that keeps another time than the motion is no noise.
+                // A tone unrelated to the motion's period is not noise.
                 let tones = remainder::lines(&changes, &vec![0.0; changes.len()], h);
                 let square = rms(std::slice::from_ref(&changes)).powi(2);
                 let held = tones.iter().map(|l| l.rms * l.rms).sum::<f64>() / square;
@@ -91,26 +91,26 @@ impl ChannelDiagnosis<'_> {
         if !segments.is_empty() {
             return Some(Noise::at_rest(&segments, h, least).with_source(NoiseSource::Repeats));
         }
-        // The displacement moves as a whole in both channels; a command may jitter far above it.
+        // In both channels the displacement moves smoothly; a command may jitter far above that.
         let moves = self.train.iter().zip(&moving);
         let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
         let inputs: Option<Vec<&[f64]>> = moves.collect();
-        // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
+        // Simulated records may have no noise, and a slightly wrong model would then dominate the fit.
         let least = least.max(1e-6 * rms(&moving));
         Noise::without_rest(&moving, &inputs?, h, least)
     }
 
-    /// Whether a rest is none, since the specimen moves in it. What an actuator leaves of its command is noise there, too.
+    /// True if a rest is none because the specimen moves in it. An actuator's residual is noise even there.
     fn rest_moves(&self, r: &Recording, span: (usize, usize)) -> bool {
         self.base.channel == Channel::Specimen && hunting::hunts(r, span)
     }
 
-    /// Whether the specimen moves in a rest of a record: what swings there is the rig, and no disturbance from elsewhere.
+    /// True if the specimen moves in a rest of a record: the rig swings, so it is no external disturbance.
     pub(super) fn hunts(&self, r: &Recording) -> bool {
         rest::spans(r).into_iter().any(|s| self.rest_moves(r, s))
     }
 
-    /// Says of rests that they move, where some do.
+    /// Adds a note if rests move.
     pub(super) fn note_moving_rest(&self, answer: &mut ChannelAnswer) {
         let given = self.rest.iter().map(|r| (r, vec![(0, r.time_s.len())]));
         let found = self.train.iter().map(|r| (r, rest::spans(r)));
@@ -129,8 +129,8 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// The output's own noise in what a model leaves of the training data, at quiet times and above `free_hz`, rms: the better
-    /// the model, the less else is in it.
+    /// The output's own noise, rms, from a model's training residuals at quiet times and above `free_hz`: the better
+    /// the model, the less else they contain.
     pub(super) fn own_noise(&self, left: &[Vec<f64>], free_hz: f64) -> Option<f64> {
         let moves = self.train.iter().zip(left);
         let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
@@ -139,8 +139,8 @@ impl ChannelDiagnosis<'_> {
         Some(rms.max(self.output_step() / 12.0_f64.sqrt()))
     }
 
-    /// Whether what was taken for a rest, since the input stands still there, is more than samples of the same motion differ
-    /// by: a pause in which something else moves.
+    /// True if what looks like a rest, since the input is constant, is louder than samples of the same motion differ: a
+    /// pause in which something else moves.
     fn is_louder_than_the_motion(&self, noise: &Noise, moving: &[Vec<f64>]) -> bool {
         let longest = (0..moving.len()).max_by_key(|i| moving[*i].len());
         longest.is_some_and(|i| {
@@ -154,7 +154,7 @@ impl ChannelDiagnosis<'_> {
         })
     }
 
-    /// The converter's step in the output, where it shows.
+    /// The converter's step in the output, if visible.
     pub(super) fn output_step(&self) -> f64 {
         let steps = self.train.iter();
         steps
@@ -162,7 +162,7 @@ impl ChannelDiagnosis<'_> {
             .fold(0.0, f64::max)
     }
 
-    /// What the converter's step in the displacement makes of the force, N; in the actuator the command has none.
+    /// Effect of the converter's step in the displacement on the force, N; an actuator's command has none.
     fn step_in_force(&self) -> f64 {
         if self.base.channel == Channel::Actuator {
             return 0.0;
@@ -174,8 +174,8 @@ impl ChannelDiagnosis<'_> {
         self.base.values[0].abs() * steps.fold(0.0, f64::max)
     }
 
-    /// The same with what damping and mass make of the step's derivatives below a cut-off: a rest on one level of the
-    /// converter does not show it.
+    /// The same, including damping and mass acting on the step's derivatives below a cut-off: a rest on one level of
+    /// the converter does not show it.
     fn step_in_force_with_derivatives(&self, cutoff_hz: f64) -> f64 {
         let stiff = self.step_in_force();
         let [k, c, m, _] = self.base.values;
@@ -183,7 +183,7 @@ impl ChannelDiagnosis<'_> {
             return stiff;
         }
         let step = stiff / k.abs();
-        // White noise below a share of half the rate: its n-th derivative has omega^2n / (2 n + 1) of the power.
+        // White noise below a fraction of half the rate: its n-th derivative has omega^2n / (2 n + 1) of the power.
         let share = (2.0 * cutoff_hz * self.train[0].interval_s()).min(1.0);
         let omega = std::f64::consts::TAU * cutoff_hz;
         let speed = step * omega * (share / 3.0).sqrt();
@@ -191,8 +191,8 @@ impl ChannelDiagnosis<'_> {
         stiff.hypot(c * speed).hypot(1e-3 * m * acceleration)
     }
 
-    /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
-    /// nothing else can be seen.
+    /// True if converter steps are most of the noise, and the settled model's residual lies within them: then nothing
+    /// else can be seen.
     pub(super) fn is_quantisation_only(&self, settled: &Problem, noise: &Noise) -> bool {
         let steps = self.output_step() + self.step_in_force();
         if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
@@ -205,7 +205,7 @@ impl ChannelDiagnosis<'_> {
     }
 }
 
-/// A floor is not above what is reached: what was taken for noise then changes with the motion.
+/// Limits the floor to the error reached: if it is higher, what was taken for noise changes with the motion.
 pub(super) fn limit_floor(answer: &mut ChannelAnswer, trained: f64) {
     let reached = trained.min(answer.error_after.test_rms);
     if answer.verdict == Verdict::NotAssessed || answer.noise_floor_rms <= reached {

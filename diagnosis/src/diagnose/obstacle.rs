@@ -1,4 +1,4 @@
-//! What stands against a verdict: signals that are missing, stand still, or stand at their rails.
+//! Obstacles to a verdict: signals that are missing, constant, or at their rails.
 
 use super::channel::ChannelDiagnosis;
 use crate::model::answer::ChannelAnswer;
@@ -9,13 +9,13 @@ use crate::record::recording::{Recording, range};
 use plant::{Channel, Effect};
 use std::ops::Range;
 
-/// Whether the converter's steps are so large that a signal rests on each of them for a while.
+/// True if converter steps are so large that a signal stays on each for a while.
 fn coarse(x: &[f64]) -> bool {
     converter_step::step(x).is_some_and(|step| step > 2e-3 * range(x))
 }
 
 impl ChannelDiagnosis<'_> {
-    /// What stands against a verdict before anything is fitted.
+    /// The obstacle to a verdict before anything is fitted.
     pub(super) fn obstacle(&self) -> Option<String> {
         let name = self.base.channel.name();
         for r in self.train.iter().chain(self.test) {
@@ -33,7 +33,7 @@ impl ChannelDiagnosis<'_> {
                     ));
                 }
             }
-            // A command that stays at its end was meant to; a sensor that does is at its rail: the force goes on there.
+            // A command held at its end is intended; a sensor there is at its rail: the force goes on.
             let driven_by = r.command_mm.as_deref().unwrap_or(target);
             if self.base.channel == Channel::Specimen
                 && !coarse(input)
@@ -45,7 +45,7 @@ impl ChannelDiagnosis<'_> {
         None
     }
 
-    /// An output that stands at its ends again and again, where the answer names effects and no limit among them.
+    /// An output that is at its ends again and again, if the answer names effects but no limit.
     pub(super) fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
         let mut named = answer.effects.iter().map(|e| e.name);
         let limit = Effect::Saturation;
@@ -69,7 +69,7 @@ impl ChannelDiagnosis<'_> {
         self.train.iter().find_map(stands)
     }
 
-    /// Where a signal stands at its rail, and what to do about it.
+    /// Where a signal is at its rail, and what to do about it.
     fn clips(
         &self,
         r: &Recording,

@@ -1,5 +1,5 @@
-//! Declared parameters in an answer: what the model leaves as it was declared, how sure a refit is, what of it is saved, and how
-//! probable each name is.
+//! Declared parameters in an answer: the residual of the model as declared, intervals of refitted parameters, what is
+//! saved of them, and the probability of each name.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{LEAST_SURE, REACH};
@@ -13,12 +13,12 @@ use crate::prepare::advice::four;
 use crate::prepare::problem::Problem;
 use plant::{Channel, EffectSpec};
 
-/// A refit that leaves more of the held-out data than the declared values by this share is not saved.
+/// A refit whose held-out residual exceeds that of the declared values by this fraction is not saved.
 const WORSE: f64 = 0.01;
-/// A saved tolerance is at least this share of the declared one.
+/// Least saved tolerance, as a fraction of the declared one.
 const LEAST_TOLERANCE: f64 = 0.1;
 
-/// Errors of the declared channel with the parameters that two problems have.
+/// Errors of the declared channel with the parameters of two problems.
 fn errors(train: &Problem, test: &Problem) -> Errors {
     let of = |problem: &Problem| {
         let left = problem.residuals();
@@ -36,7 +36,7 @@ fn errors(train: &Problem, test: &Problem) -> Errors {
     }
 }
 
-/// How probable each name of an answer is.
+/// Sets the probability of each name of an answer.
 pub fn state_probabilities(answer: &mut ChannelAnswer) {
     let names = answer.effects.iter().map(|e| e.name);
     let names: Vec<_> = names.chain(answer.alternatives.iter().copied()).collect();
@@ -54,20 +54,20 @@ pub fn state_probabilities(answer: &mut ChannelAnswer) {
 }
 
 impl ChannelDiagnosis<'_> {
-    /// Training and held-out records with the declared parameters; `None` where a signal is missing.
+    /// Training and held-out records with the declared parameters; `None` if a signal is missing.
     fn as_declared(&self) -> Option<[Problem; 2]> {
         let cutoff_hz = self.cutoff_hz();
         let [train, test] = [self.train, self.test].map(|set| self.problem(set, cutoff_hz));
         Some([train?, test?])
     }
 
-    /// What the declared channel leaves of the held-out records, rms; `None` where a signal is missing.
+    /// Residual of the declared channel on the held-out records, rms; `None` if a signal is missing.
     pub(super) fn declared_leaves(&self) -> Option<f64> {
         let [train, test] = self.as_declared()?;
         Some(errors(&train, &test).test_rms)
     }
 
-    /// States the errors of the model as declared and the intervals of its refitted parameters, and saves these.
+    /// Reports the errors of the model as declared and the intervals of its refitted parameters, and saves those.
     pub(super) fn state_refit(&self, answer: &mut ChannelAnswer, improved: &mut Model) {
         if answer.verdict == Verdict::NotAssessed {
             return;
@@ -99,13 +99,13 @@ impl ChannelDiagnosis<'_> {
         self.save_refit(answer, improved);
     }
 
-    /// Which of the channel's parameters it is.
+    /// Index among the channel's parameters.
     fn place_of(&self, r: &Refitted) -> usize {
         let mut all = self.base.channel.parameters().iter();
         all.position(|p| p.name == r.name).unwrap_or_default()
     }
 
-    /// Intervals of the refitted parameters: from how far blocks of what is left pull them, and from their tolerance.
+    /// Intervals of the refitted parameters, from how far blocks of the residual pull them and from their tolerance.
     fn state_intervals(&self, answer: &mut ChannelAnswer, train: &Problem) {
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); self.base.free.len()];
         let mut left = Vec::new();
@@ -120,14 +120,14 @@ impl ChannelDiagnosis<'_> {
         let spread = interval::by_blocks(&columns, &left, train.scales.interval_s);
         let free = self.base.free.iter().zip(&spread);
         for (r, (f, sigma)) in answer.refitted.iter_mut().zip(free) {
-            // Two sources, each for itself.
+            // Two independent sources.
             let both = 1.0 / (sigma.powi(-2) + f.tolerance.powi(-2)).sqrt();
             r.ci90 = [r.value - NINETY * both, r.value + NINETY * both];
         }
     }
 
-    /// Puts the refit into the model that is saved, where nothing was added: an addition brings its own. A tolerance ends where the
-    /// declared one ends: saved and diagnosed again and again, a parameter does not walk.
+    /// Writes the refit into the saved model, unless something was added: an addition has its own. A tolerance ends
+    /// where the declared one ends, so that a parameter does not drift over repeated diagnoses.
     fn save_refit(&self, answer: &ChannelAnswer, improved: &mut Model) {
         let Some((places, _)) = improved.channel_mut(self.base.channel) else {
             return;
@@ -147,7 +147,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Puts what comes nearest into the model that is saved, switched off: it can be tried.
+    /// Writes the nearest candidate into the saved model, disabled, so that it can be tried.
     pub(super) fn save_nearest(&self, answer: &ChannelAnswer, improved: &mut Model) {
         let unknown = answer.verdict == Verdict::Unknown;
         let Some(nearest) = answer.nearest.as_ref().filter(|_| unknown) else {
@@ -163,7 +163,7 @@ impl ChannelDiagnosis<'_> {
             }));
         }
         if let (Channel::Specimen, Some(specimen)) = (self.base.channel, &mut improved.specimen) {
-            // Those of an earlier record may be others.
+            // Those of an earlier record may differ.
             specimen.elements.retain(|old| old.enabled);
             let off = nearest.elements.iter().cloned();
             let off = off.map(|e| SavedElement {

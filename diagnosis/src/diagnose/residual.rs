@@ -1,4 +1,4 @@
-//! What the remaining error of a channel depends on.
+//! The dependence of a channel's remaining error.
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
@@ -14,13 +14,13 @@ use crate::record::recording::{Recording, range};
 use crate::record::rest;
 use plant::{Channel, Effect, Family};
 
-/// Where the mains' line may be, Hz: an effect by itself.
+/// Range of the mains line, Hz: an effect of its own.
 const MAINS_HZ: std::ops::Range<f64> = 44.0..66.0;
 
-/// The rms of what is left in a record's longest rest, about its mean, and its lines there that stand in what was measured, too;
-/// `None` where it has no rest.
+/// Rms residual about its mean in a record's longest rest, and its lines there that are also in the measurement; `None`
+/// if the record has no rest.
 fn lines_at_rest(r: &Recording, rest: &[f64], measured: &[f64]) -> Option<(f64, Vec<Line>)> {
-    // Its first samples may not be looked at.
+    // Its first samples may have been skipped.
     let skipped = r.time_s.len() - rest.len();
     let (from, end) = rest::spans(r).into_iter().max_by_key(|(a, b)| b - a)?;
     let part = from.saturating_sub(skipped)..end.checked_sub(skipped)?;
@@ -48,25 +48,25 @@ fn in_words(found: &[Line], unit: &str) -> Vec<String> {
     found.iter().map(words).collect()
 }
 
-/// Which share of the squares lines hold.
+/// Fraction of the squares contained in lines.
 fn held(found: &[Line], whole: f64) -> f64 {
     let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
     square / (whole * whole).max(f64::MIN_POSITIVE)
 }
 
-/// What lines of a rest must hold of all that is left to be worth a sentence.
+/// Fraction of the whole residual that lines of a rest must contain to be worth a note.
 const MATTERS: f64 = 0.02;
-/// The same, to be most of it.
+/// Fraction for them to be most of it.
 const MOSTLY: f64 = 0.5;
-/// Two readings of one line, in a rest of a second or two and in the whole record, differ by this much at most, Hz.
+/// Largest difference between readings of one line, in a rest of a second or two and in the whole record, Hz.
 const SAME_HZ: f64 = 1.0;
 
-/// Power of the motion by which an error that has no name may grow faster, beyond the motion that was learned from, than
-/// within it: the next terms of a force's series are its square and its cube.
+/// Additional power of the motion with which an unnamed error may grow beyond the motion that was learned from: the
+/// next terms of a force's series are its square and its cube.
 const BEYOND: i32 = 2;
 
-/// How many times the predicted error may be larger since the planned answer goes further than those learned from. Where
-/// names account for the record the model goes on as it is.
+/// Factor on the predicted error because the planned response goes further than those learned from. If names account
+/// for the record, the model extrapolates.
 fn beyond(verdict: Verdict, learned: &[Vec<f64>], planned: &[Vec<f64>]) -> f64 {
     if matches!(verdict, Verdict::None | Verdict::Effect) {
         return 1.0;
@@ -78,8 +78,8 @@ fn beyond(verdict: Verdict, learned: &[Vec<f64>], planned: &[Vec<f64>]) -> f64 {
 }
 
 impl ChannelDiagnosis<'_> {
-    /// rms over the held-out data of a friction that sticks in their rests: it holds any force up to its own, as the last
-    /// motions left it, and those are smaller than the noise.
+    /// Rms over the held-out data of a friction that sticks in their rests: it holds any force up to its own, as left
+    /// by the last motions, which are smaller than the noise.
     fn may_stick(&self, answer: &ChannelAnswer) -> f64 {
         let friction = answer
             .effects
@@ -94,8 +94,8 @@ impl ChannelDiagnosis<'_> {
         force * ((whole - moving) as f64 / whole.max(1) as f64).sqrt()
     }
 
-    /// Adds the anatomy of what a model leaves to an answer that something is missing; `found` are lines in it that are known
-    /// already.
+    /// Adds the anatomy of a model's residual to an answer in which something is missing; `found` are known lines in
+    /// it.
     pub(super) fn analyse_residual(&self, answer: &mut ChannelAnswer, found: Vec<Line>) {
         if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
             return;
@@ -108,8 +108,8 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// The same, record by record of training and test. A residual may be shorter than its record: it lacks the first samples
-    /// then.
+    /// The same, by record of training and test. A residual may be shorter than its record, which then lacks its first
+    /// samples.
     fn add_anatomy(&self, answer: &mut ChannelAnswer, train: &[Vec<f64>], test: &[Vec<f64>]) {
         let answers = |records, rests| self.model_answers(records, rests);
         if let (Some(learned), Some(planned)) =
@@ -143,7 +143,7 @@ impl ChannelDiagnosis<'_> {
             if let Some(r) = self.test.first() {
                 let measured = self.target_of(r).map_or(&[][..], Vec::as_slice);
                 found.lines.retain(|l| is_in(l, measured, r.interval_s()));
-                // No motion of this rig tells what another axis does.
+                // No motion of this rig shows what another axis does.
                 answer.disturbed |= matches!(answer.verdict, Verdict::Partial | Verdict::Unknown)
                     && held(&found.lines, rms(test)) > MOSTLY
                     && !self.hunts(r);
@@ -164,7 +164,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Of what is left and is speed times time: a clock that runs faster or slower than the other.
+    /// A residual that is speed times time: one clock runs faster or slower than the other.
     fn other_clock(&self, train: &[Moves], test: &[Moves]) -> Option<String> {
         let found = clock(train, test)?;
         let output = self.output();
@@ -181,7 +181,7 @@ impl ChannelDiagnosis<'_> {
         ))
     }
 
-    /// What the channel's output is called.
+    /// The name of the channel's output.
     fn output(&self) -> &'static str {
         match self.base.channel {
             Channel::Actuator => "displacement",
@@ -189,7 +189,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// Lines that stand in the rest, too, are a disturbance whatever else is missing: they are said with frequency and
+    /// Lines that are also present at rest are a disturbance whatever else is missing: reports their frequency and
     /// amplitude.
     pub(super) fn note_disturbances(&self, answer: &mut ChannelAnswer) {
         if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
@@ -200,7 +200,7 @@ impl ChannelDiagnosis<'_> {
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };
-        // Of the reading itself: what a model makes of the input's noise has a band, and looks like a line at its end.
+        // In the reading itself: what a model makes of its input's noise is a band, with a seeming line at its end.
         let Some((still, mut found)) = lines_at_rest(r, &t.measured, &t.measured) else {
             return;
         };
@@ -228,7 +228,7 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
-    /// What a model answers to records of which it leaves these rests.
+    /// A model's responses to records, from its residuals.
     fn model_answers(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
         let answer = |(r, rest): (&Recording, &Vec<f64>)| {
             let target = self.target_of(r)?;
@@ -238,7 +238,7 @@ impl ChannelDiagnosis<'_> {
         records.iter().zip(rests).map(answer).collect()
     }
 
-    /// What is left and has lines that are not the motion's is no noise, however little the motion has to do with it: these lines.
+    /// A residual with lines that the motion lacks is not noise, however little the motion causes it: these lines.
     pub(super) fn lines_in_place_of_noise(&self, answer: &mut ChannelAnswer) -> Vec<Line> {
         if answer.verdict != Verdict::None || answer.error_before.test_nrmse < TRANSDUCER {
             return Vec::new();
@@ -252,7 +252,7 @@ impl ChannelDiagnosis<'_> {
         let mut found = lines(&rest, &t.input, r.interval_s());
         found.retain(|l| is_in(l, &t.measured, r.interval_s()));
         if held(&found, whole) < LINES {
-            // A motion of many frequencies has harmonics everywhere: there lines show at rest only.
+            // A motion of many frequencies has harmonics everywhere: then lines are only visible at rest.
             let Some((still, mut at_rest)) = lines_at_rest(r, &rest, &t.measured) else {
                 return Vec::new();
             };
@@ -275,8 +275,8 @@ impl ChannelDiagnosis<'_> {
         found
     }
 
-    /// Of what has no name it is said how much of the output is linear in its input at all: where that is little, no element
-    /// of a model of this input will do.
+    /// For an unknown cause, notes how much of the output is linear in its input at all: if that is little, no element
+    /// of a model of this input will help.
     pub(super) fn note_low_coherence(&self, answer: &mut ChannelAnswer) {
         if answer.verdict != Verdict::Unknown {
             return;

@@ -1,4 +1,4 @@
-//! Channels of which nothing is said.
+//! Channels without a verdict.
 
 use super::channel::ChannelDiagnosis;
 use crate::model::answer::{ChannelAnswer, Errors, Verdict};
@@ -7,7 +7,7 @@ use crate::prepare::noise::Noise;
 use crate::prepare::problem::Problem;
 
 impl ChannelDiagnosis<'_> {
-    /// An answer without figures, and the reason.
+    /// An answer without figures, with the reason.
     pub(super) fn not_assessed(&self, why: impl Into<String>) -> ChannelAnswer {
         let mut answer = self.blank(Verdict::NotAssessed);
         let unknown = Errors::UNKNOWN;
@@ -21,7 +21,7 @@ impl ChannelDiagnosis<'_> {
         answer
     }
 
-    /// Errors without a verdict, where nothing tells the noise.
+    /// Errors without a verdict, if the noise cannot be determined.
     pub(super) fn errors_without_verdict(
         &self,
         problem: &Problem,

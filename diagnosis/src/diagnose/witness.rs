@@ -1,10 +1,10 @@
-//! A witness: a channel that took no part, such as a pressure, an acceleration or a second displacement, speaks for a name or
-//! against it.
+//! A witness: a channel not used so far, such as a pressure, an acceleration or a second displacement, is evidence for
+//! or against a name.
 //!
-//! What the motion alone makes of the witness is taken off: a constant, time, displacement and its first three derivatives, by
-//! least squares over the training data. A name is heard by what its law adds to the model's answer, and by the derivative of that:
-//! whatever the witness is, of what a law does it shows a share of its own. Both are fitted over the training data and judged on
-//! the held-out data. What only displaces, delays, damps or weighs is a part of the motion already: of that no witness can speak.
+//! What the motion explains of the witness is removed: a constant, time, displacement and its first three derivatives,
+//! by least squares over the training data. A name is tested by what its law adds to the model's response, and by its
+//! derivative: any witness shows some fraction of what a law does. Both are fitted to training data and judged on
+//! held-out data. What only displaces, delays, damps or weighs is part of the motion: no witness shows it.
 
 use crate::diagnose::Diagnosis;
 use crate::diagnose::in_question::{InQuestion, in_question};
@@ -22,19 +22,19 @@ use plant::{Channel, Effect, Family};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A name that takes less than this share of what the motion leaves of the witness is not heard.
+/// A name that explains less than this fraction of the witness without the motion is not detected.
 const HEARD: f64 = 0.05;
-/// So many other names are asked, one of a family.
+/// Number of other names tested, one per family.
 const OTHERS: usize = 5;
-/// A witness is read up to so many times the band of the motion: steps at a reversal are sharp.
+/// A witness is read up to this multiple of the motion's band: steps at a reversal are sharp.
 const BANDS: f64 = 5.0;
 
-/// A record and what the witness read meanwhile, a value a sample.
+/// A record and the witness's readings, one per sample.
 #[derive(Clone, Debug)]
 pub struct Witnessed {
     /// The record.
     pub record: Recording,
-    /// What the witness read, in its own unit.
+    /// Readings of the witness, in its own unit.
     pub read: Vec<f64>,
 }
 
@@ -79,19 +79,19 @@ pub struct Testimony {
     pub heard: Heard,
 }
 
-/// What there is to see of a witness in the first held-out record.
+/// A witness's traces in the first held-out record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Heard {
     /// Time, s.
     pub time_s: Vec<f64>,
-    /// What the motion leaves of the witness.
+    /// The witness without what the motion explains.
     pub left_by_motion: Vec<f64>,
-    /// What the name makes of it.
+    /// The name's contribution to it.
     pub by_name: Vec<f64>,
 }
 
-/// What a witness says of every name in the answers of a `diagnosis` of `train` with `model`, of a set's preferred one, and where
-/// something is unknown of the nearest. Both sets need a record with the witness; `train` are all records that were searched.
+/// A witness's evidence on each name in a `diagnosis` of `train` with `model`: the preferred one of a set, the nearest
+/// if something is unknown. Both sets need a record with the witness; `train` are all records searched.
 pub fn testimonies(
     model: &Model,
     diagnosis: &Diagnosis,
@@ -104,7 +104,7 @@ pub fn testimonies(
         .collect()
 }
 
-/// Of a name, or of that which leaves least.
+/// For a name, or for the one with the smallest residual.
 fn testimony(
     question: &InQuestion<'_>,
     train: &[Recording],
@@ -122,7 +122,7 @@ fn testimony(
         .position(|m| name.is_none_or(|n| m.name == n))?;
     let own = models.remove(own);
     let name = own.name;
-    // Those of the answer, then the nearest; one of a family, and none of the name's own.
+    // Those of the answer, then the nearest; one per family, and none of the name's own.
     models.sort_by_key(|m| !answer.alternatives.contains(&m.name));
     let mut families: Vec<Family> = vec![name.entry().family];
     models.retain(|m| {
@@ -181,7 +181,7 @@ fn testimony(
     })
 }
 
-/// Up to where a witness is read, Hz.
+/// Highest frequency used of a witness, Hz.
 fn cutoff_hz(first: &Recording) -> Option<f64> {
     let h = first.interval_s();
     let band_hz = spectrum::motion_band_hz(first.displacement_mm.as_ref()?, h)?;
@@ -191,10 +191,10 @@ fn cutoff_hz(first: &Recording) -> Option<f64> {
 /// Columns of a regression, sample by sample.
 type Columns = Vec<Vec<f64>>;
 
-/// Records with their witness, as a fit takes them.
+/// Records with their witness, as used in a fit.
 struct View {
     records: Vec<Recording>,
-    /// What the motion can make of the witness, record by record.
+    /// What the motion can explain of the witness, by record.
     motion: Vec<Columns>,
     /// The witness below the cut-off.
     read: Vec<Vec<f64>>,
@@ -224,7 +224,7 @@ impl View {
         Some(view)
     }
 
-    /// What a model adds to another's answer, and its derivative, record by record.
+    /// What a model adds to another's response, and its derivative, by record.
     fn added(&self, channel: Channel, without: &Model, with: &Model) -> Option<Vec<Columns>> {
         let answers = |m: &Model| answers(&Base::of(m, channel)?, &self.records, self.cutoff_hz);
         let [without, with] = [without, with].map(answers);
@@ -237,7 +237,7 @@ impl View {
         Some(with.iter().zip(&without).map(columns).collect())
     }
 
-    /// What the motion, and columns beside it here and there, leave of the witness of `test`, fitted here.
+    /// What the motion, and additional columns, leave of the witness of `test`; fitted to `self`.
     fn left_of(&self, test: &View, [here, there]: [&[Columns]; 2]) -> Option<Vec<Vec<f64>>> {
         let all = |view: &View, beside: &[Columns]| -> Vec<Columns> {
             let each = view.motion.iter().enumerate();

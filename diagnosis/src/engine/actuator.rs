@@ -1,5 +1,5 @@
-//! An actuator's channel for the engine: parts of a path from command to displacement, simulated, and declared parameters that leave
-//! their tolerances.
+//! An actuator's channel for the engine: simulated parts of the path from command to displacement, and declared
+//! parameters that leave their tolerances.
 
 use super::asked::{Asked, Found, OfOneName};
 use super::beam::{Beam, Scored, Width};
@@ -20,38 +20,38 @@ use crate::record::rest;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
-/// How far the search goes: each model is simulated some dozen times.
+/// Extent of the search: each model is simulated some dozen times.
 const WIDTH: Width = Width {
     carried: [4, 4, 4],
     while_better: 3,
     swapped: 2,
 };
-/// Parts that are tried beside each model that has any.
+/// Number of parts that are tried with each model that has any part or freed parameter.
 const BESIDE: usize = 4;
-/// Parts and parameters of a model at most.
+/// Largest number of parts and parameters of a model.
 const LARGEST: usize = 4;
-/// Models that are judged on every sample, and none that is so far below the best, nats.
+/// Number of models judged on every sample, and their largest distance below the best, nats.
 const JUDGED: usize = 12;
 const FAR_BELOW: f64 = 14.0;
-/// Single causes that are judged in any case.
+/// Number of single causes that are judged in any case.
 const ALONE: usize = 3;
-/// Half of a 90 % interval in standard deviations, Student's of 7: they are told by twelve segments of a record, less some five unknowns.
+/// Half of a 90 % interval in standard deviations, Student's of 7: twelve segments less some five unknowns.
 const NINETY: f64 = 1.895;
-/// What a declared parameter costs that leaves its tolerance, nats: gain, delay, lag, offset.
+/// Price of a declared parameter that leaves its tolerance, nats: gain, delay, lag, offset.
 const PARAMETERS: [f64; DECLARED] = [3.4, 3.0, 3.0, 3.2];
 
-/// A model at its best, with what speaks for it.
+/// A fitted model, with the evidence for it.
 #[derive(Clone, Debug)]
 pub struct ActuatorModelFit {
     fit: ActuatorFit,
     squares: [f64; BLOCKS],
     evidence: Evidence,
-    /// Of its model what is claimed: delay, lag, second lag and oil column that take no more than any position loop has are no finding.
+    /// What the model claims: delay, lag, second lag and oil column as in any position loop are no finding.
     named: PartSet,
 }
 
 impl ActuatorModelFit {
-    /// The names that it claims, rising, each once.
+    /// The names that it claims, in ascending order, each once.
     fn names(&self) -> Vec<Effect> {
         let model = &self.named;
         let along = |i: usize| model.parts.iter().any(|p| p.kind.takes_along() == Some(i));
@@ -64,17 +64,17 @@ impl ActuatorModelFit {
         names
     }
 
-    /// Whether its supply sags, for which there is no name.
+    /// True if its supply sags, which has no name.
     fn sags(&self) -> bool {
         self.named.parts.iter().any(|p| p.kind == PartKind::Sag)
     }
 
-    /// What it claims.
+    /// The names that it claims, and whether it claims a sagging supply.
     fn claims(&self) -> (Vec<Effect>, bool) {
         (self.names(), self.sags())
     }
 
-    /// Whether it has fewer of the same names and is hardly worse.
+    /// True if its names are a proper subset of the other's and it is hardly worse.
     fn does_as_well(&self, other: &Self) -> bool {
         let (own, others) = (self.names(), other.names());
         let part = !own.is_empty()
@@ -88,16 +88,16 @@ impl ActuatorModelFit {
 #[derive(Debug)]
 pub struct ActuatorChannel<'a> {
     base: &'a Base,
-    /// Every sample, and averages for the search.
+    /// All samples, and averages for the search.
     whole: ActuatorData<'a>,
     thin: ActuatorData<'a>,
-    /// Samples that are averaged into one.
+    /// Number of samples averaged into one.
     pub every: usize,
     kinds: Vec<PartKind>,
 }
 
 impl<'a> ActuatorChannel<'a> {
-    /// Of records without what the model already has; `None` where a signal is missing.
+    /// From records without the contribution of effects already in the model; `None` if a signal is missing.
     pub fn new(base: &'a Base, train: &[Recording]) -> Option<Self> {
         let whole = drivetrain::data(base, train, 1)?;
         let every = drivetrain::thinning(&whole, train);
@@ -105,11 +105,11 @@ impl<'a> ActuatorChannel<'a> {
         if !whole.has_force() {
             kinds.retain(|k| *k != PartKind::Compliance);
         }
-        // Where no lag is declared, a second one is the first, and it is no position loop.
+        // Without a declared lag, a second lag is the first, and it is not a position loop.
         if base.values[2] == 0.0 {
             kinds.retain(|k| !matches!(k, PartKind::SecondLag | PartKind::Load | PartKind::Sag));
         }
-        // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
+        // What depends on time alone must also predict the rest after the motion: without rests it is not considered.
         if !train.iter().all(|r| rest::spans(r).len() == 2) {
             kinds.retain(|k| !matches!(k, PartKind::Drift | PartKind::GainDrift));
         }
@@ -123,7 +123,7 @@ impl<'a> ActuatorChannel<'a> {
     }
 }
 
-/// Searches, and decides; of the noise in averages and in single samples.
+/// Searches and decides, given the noise of averages and of single samples.
 pub fn actuator(
     channel: &ActuatorChannel,
     averages: KnownNoise,
@@ -152,7 +152,7 @@ pub fn actuator(
             chosen.push(f.fit.model.clone());
         }
     }
-    // What comes nearest is told where nothing is probable, too.
+    // The nearest single causes are reported even if nothing is probable.
     let alone = all.iter().filter(|f| f.names().len() == 1).take(ALONE);
     for f in alone {
         if !claimed.contains(&f.claims()) {
@@ -179,8 +179,8 @@ pub fn actuator(
     Some(Found::of(candidates.collect(), declared, averages.told))
 }
 
-/// One model for each name that `wanted` lets through, with one part or one parameter beside the declared ones, and the rms that it
-/// leaves of the training data. Best first.
+/// One model per name accepted by `wanted`, with one part or parameter besides the declared ones, and its rms residual
+/// on the training data. Best first.
 pub fn actuator_each(
     model: &Model,
     train: &[Recording],
@@ -240,7 +240,7 @@ impl<'a, 'b> Search<'a, 'b> {
         Self { data, kinds, score }
     }
 
-    /// The model at its best.
+    /// The fitted model with its score.
     fn scored(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorModelFit> {
         let fit = self.data.fit(model, start)?;
         let squares = self.data.cross_validated(&fit)?;
@@ -256,8 +256,8 @@ impl<'a, 'b> Search<'a, 'b> {
         })
     }
 
-    /// Takes from what a model claims, one after the other, what it can be without and leave no more than any position loop does beyond
-    /// its lag.
+    /// Removes from a model's claims, one at a time, each higher-order feature without which it still leaves no more
+    /// than noise and what any position loop leaves beyond its lag.
     fn know_order(&self, f: &mut ActuatorModelFit) {
         let target = &self.data.target;
         let mean = target.iter().sum::<f64>() / target.len() as f64;
@@ -278,7 +278,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 None => break,
             }
         }
-        // A delay or a lag alone is a declared parameter that is wrong.
+        // A delay or a lag alone is a wrong declared parameter.
         let is_order = f.fit.model.parts.iter().any(|p| p.kind.is_order());
         if claimed.size() > 0 || is_order {
             f.named = claimed;
@@ -289,7 +289,7 @@ impl<'a, 'b> Search<'a, 'b> {
         f.evidence = self.score.evidence(&f.squares, f.evidence.price);
     }
 
-    /// The declared model, and the search: an atom is a declared parameter or a kind of part.
+    /// The declared model and the search: an atom is a declared parameter or a kind of part.
     fn beam(&self) -> Option<(OfAtoms, Beam<'_, ActuatorModelFit, Option<Part>>)> {
         let declared = self.scored(&PartSet::held(), self.data.declared_values())?;
         let beam = Beam {
@@ -311,7 +311,7 @@ impl<'a, 'b> Search<'a, 'b> {
         Some(DECLARED + kind)
     }
 
-    /// A set of atoms as a model: parts as they are in another, and one of its own.
+    /// A set of atoms as a model: parts as in another model, plus one of its own.
     fn model(&self, set: &[usize], from: &PartSet, own: Option<Part>) -> PartSet {
         let parts = from.parts.iter().copied().chain(own);
         PartSet {
@@ -322,8 +322,8 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
-    /// What may stand beside a model: a declared parameter, or a part; of those that can stand in for each other the first, unless
-    /// it stands alone.
+    /// Candidates to add to a model: a declared parameter, or a part; of parts that can replace each other only the
+    /// best, unless added alone.
     fn beside(&self, of: &ActuatorModelFit) -> Vec<(usize, Option<Part>)> {
         let alone = of.fit.model.size() == 0;
         let mut best: Vec<Part> = Vec::new();
@@ -337,10 +337,10 @@ impl<'a, 'b> Search<'a, 'b> {
         (0..DECLARED).map(|i| (i, None)).chain(parts).collect()
     }
 
-    /// Parts that a fit does not have, each at the best of its grid to first order, those that take most first.
+    /// Parts that a fit lacks, each at the best point of its grid to first order, largest reduction first.
     fn screened(&self, from: &ActuatorModelFit) -> Vec<Part> {
         let fit = &from.fit;
-        // What stands at the end of its tolerance takes no part of what a part does.
+        // A parameter at a limit of its tolerance cannot absorb any of a part's effect.
         let slopes = self.data.free_slopes(fit);
         let Some(factor) = Factor::of(gram(&slopes)) else {
             return Vec::new();
@@ -354,7 +354,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 factor.add_regression(&slopes, &mut column, -1.0);
                 let square = dot(&column, &column);
                 let pull = dot(&column, &fit.residual);
-                // A part without an amplitude is there as it is, or less of it.
+                // A part without an amplitude is present fully or in part.
                 let most = if kind.is_column() { f64::INFINITY } else { 1.0 };
                 let least = if kind.is_column() && !kind.is_positive() {
                     f64::NEG_INFINITY
@@ -383,7 +383,7 @@ impl Asked for ActuatorChannel<'_> {
     }
 
     fn settled(&self, fit: &ActuatorModelFit) -> ActuatorModelFit {
-        // A model file has no place for what any sound ram has.
+        // A model file has no place for the parts that any sound ram has.
         let mut model = fit.fit.model.clone();
         model.parts.retain(|p| p.effect().is_some());
         let settled = self.whole.fit(&model, fit.fit.declared);

@@ -1,4 +1,4 @@
-//! What an answer needs of a channel, whichever it is.
+//! What an answer needs from a channel of either kind.
 
 use super::posterior::{Candidate, Posterior};
 use super::verdict;
@@ -9,45 +9,45 @@ use plant::Effect;
 
 /// A channel's training data with the fits of models to them.
 pub trait Asked {
-    /// A model at its best.
+    /// A fitted model.
     type Fit: Clone;
 
-    /// Measured less modelled, record by record, which may be others than those of the fit; `None` where a signal is missing.
+    /// Measured minus modelled, per record; the records may differ from the fit's. `None` if a signal is missing.
     fn residuals(&self, fit: &Self::Fit, records: &[Recording]) -> Option<Vec<Vec<f64>>>;
 
-    /// A fit that was chosen, at its best.
+    /// A chosen fit, fully optimised.
     fn settled(&self, fit: &Self::Fit) -> Self::Fit;
 
     /// Each name with its parameters and their 90 % intervals.
     fn figures(&self, fit: &Self::Fit) -> Vec<(Effect, Vec<ParameterEstimate>)>;
 
-    /// The declared parameters, in the order and the units of the channel's table.
+    /// The declared parameters, in the order and units of the channel's table.
     fn declared(&self, fit: &Self::Fit) -> [f64; 4];
 
-    /// Puts a fit into a model.
+    /// Writes a fit into a model.
     fn save(&self, fit: &Self::Fit, model: &mut Model);
 
-    /// Whether a model without a name has parts that any device of its kind has; of a channel that has none of these, never.
+    /// True if an unnamed model has parts that any device of its kind has; false for a channel without such parts.
     fn is_of_higher_order(&self, _: &Self::Fit) -> bool {
         false
     }
 }
 
-/// What is found out about a channel.
+/// The findings about a channel.
 #[derive(Debug)]
 pub struct Found<F> {
-    /// What can be said.
+    /// The verdict.
     pub said: verdict::Said<F>,
-    /// The declared model, its parameters within their tolerances.
+    /// The declared model with its parameters within their tolerances.
     pub declared: F,
     /// The likeliest model without a name.
     pub nothing: F,
-    /// How probable it is that something without a name is there; `None` where no rival without a name was asked.
+    /// Probability that something without a name is present; `None` if no unnamed rival was tried.
     pub unnamed: Option<f64>,
 }
 
 impl<F: Clone> Found<F> {
-    /// What scored models of a channel come to; the declared one is among them. `told`: a rest tells the noise.
+    /// Findings from a channel's scored models, which include the declared one. `told`: a rest determines the noise.
     pub fn of(models: Vec<Candidate<F>>, declared: F, told: bool) -> Self {
         let posterior = Posterior::of(models);
         let [sure, most] = verdict::NOTHING;
@@ -67,20 +67,20 @@ impl<F: Clone> Found<F> {
 /// A model with one name.
 #[derive(Clone, Debug)]
 pub struct OfOneName {
-    /// What it has beside the declared parameters.
+    /// Its name, in addition to the declared parameters.
     pub name: Effect,
     /// The whole model.
     pub model: Model,
-    /// What it leaves of the training data, rms.
+    /// Its rms residual on the training data.
     pub left_rms: f64,
     /// The name's parameters.
     pub parameters: Vec<ParameterEstimate>,
-    /// The declared parameters beside it, in the order and the units of the channel's table.
+    /// The declared parameters with it, in the order and units of the channel's table.
     pub declared: [f64; 4],
 }
 
 impl OfOneName {
-    /// A fit at its best.
+    /// From a fit, fully optimised.
     pub fn of<A: Asked>(
         data: &A,
         fit: &A::Fit,

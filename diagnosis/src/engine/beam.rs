@@ -1,40 +1,40 @@
-//! The one search: every atom alone, the best with every other, three and more together; then one less, or another in place of one.
+//! The only search: each atom alone, the best with every other, three and more; then one less, or one exchanged.
 
 use super::score::Evidence;
 use rayon::prelude::*;
 
-/// Atoms of each law that are carried on beside others.
+/// Number of atoms of each law that are combined with others.
 const EACH: usize = 2;
-/// Models of one term that are kept in any case: alone a law may be further from its shape in the grid than two that share what it
-/// does.
+/// Number of models of one term that are kept in any case: alone a law may be further from its grid shape than two laws
+/// that share its effect.
 pub const ALONE: usize = 24;
-/// Models that are kept at the end.
+/// Number of models kept at the end.
 const KEPT: usize = 60;
 
 /// A model of the search.
 #[derive(Clone, Debug)]
 pub struct Scored<F> {
-    /// Places of its atoms, rising.
+    /// Indices of its atoms, in ascending order.
     pub atoms: Vec<usize>,
-    /// What speaks for it.
+    /// The evidence for it.
     pub evidence: Evidence,
     /// The model itself.
     pub fit: F,
 }
 
-/// How far a search goes.
+/// Extent of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Width {
-    /// Models of one term that others are put beside, of two, and of three; of more as of three.
+    /// Number of models of one, of two, and of three or more terms that are extended.
     pub carried: [usize; 3],
-    /// From so many terms on a term more is tried only while it is better.
+    /// From this number of terms on, a further term is only tried while the score improves.
     pub while_better: usize,
-    /// Leading models that are asked for one term less, and for another in place of one.
+    /// Number of leading models that are tried with one term less, and with one term exchanged.
     pub swapped: usize,
 }
 
 impl Width {
-    /// Where a model costs next to nothing.
+    /// For models that cost next to nothing.
     pub const WIDE: Self = Self {
         carried: [10, 8, 4],
         while_better: 5,
@@ -42,28 +42,28 @@ impl Width {
     };
 }
 
-/// Atoms that may stand beside a model, each with what it begins with there.
+/// Atoms that may be added to a model, each with its start value.
 pub type Beside<'a, F, S> = Box<dyn Fn(&Scored<F>) -> Vec<(usize, S)> + Sync + 'a>;
-/// A set as a model, from one that differs by an atom, and what that begins with; `None` where it is none.
+/// Scores a set, given a model that differs by one atom, and the new atom's start; `None` if it is no model.
 pub type ScoredFrom<'a, F, S> =
     Box<dyn Fn(Vec<usize>, &Scored<F>, S) -> Option<Scored<F>> + Sync + 'a>;
 
-/// Sets of atoms, as models `F`; an atom begins with an `S`.
+/// Searches sets of atoms, as models `F`; an atom starts from an `S`.
 pub struct Beam<'a, F, S = ()> {
-    /// The law of each atom: a set has one atom of a law.
+    /// The law of each atom: a set has at most one atom per law.
     pub laws: Vec<usize>,
-    /// Atoms at most in a set.
+    /// Largest number of atoms in a set.
     pub most: usize,
-    /// How far it goes.
+    /// Extent of the search.
     pub width: Width,
-    /// What is put beside a model; left out: the best atoms of each law alone.
+    /// Atoms to add to a model; if `None`, the best atoms of each law alone.
     pub beside: Option<Beside<'a, F, S>>,
-    /// A set as a model.
+    /// Scores a set as a model.
     pub scored: ScoredFrom<'a, F, S>,
 }
 
 impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
-    /// Models with one atom more than these.
+    /// These models with one more atom.
     fn with_one_more(
         &self,
         from: &[Scored<F>],
@@ -74,7 +74,7 @@ impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
             let more = beside(model).into_iter();
             sets.extend(more.filter_map(|(a, s)| Some((self.with(&model.atoms, a)?, model, s))));
         }
-        // From the better of two models.
+        // Start from the better of two models.
         sets.sort_by(|a, b| a.0.cmp(&b.0));
         sets.dedup_by(|a, b| a.0 == b.0);
         sets.into_par_iter()
@@ -88,7 +88,7 @@ impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
         laws
     }
 
-    /// Best first, one of each set of laws.
+    /// Best first, one per set of laws.
     fn best(&self, mut all: Vec<Scored<F>>, most: usize) -> Vec<Scored<F>> {
         all.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
         let mut seen: Vec<Vec<usize>> = Vec::new();
@@ -113,12 +113,12 @@ impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
         }
     }
 
-    /// Models of one term, one for each law; best first.
+    /// Models of one term, one per law; best first.
     pub fn alone(&self, empty: &Scored<F>) -> Vec<Scored<F>> {
         self.best(self.singles(empty), usize::MAX)
     }
 
-    /// Runs; best first, `empty` among them.
+    /// Runs the search; best first, including `empty`.
     pub fn run(&self, empty: Scored<F>) -> Vec<Scored<F>> {
         let singles = self.singles(&empty);
         let leaders = self.leaders(&singles);
@@ -167,7 +167,7 @@ impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
         kept
     }
 
-    /// A set with one atom more, where it has none of that law.
+    /// A set with one more atom, unless it already has one of that law.
     fn with(&self, atoms: &[usize], more: usize) -> Option<Vec<usize>> {
         let law = self.laws[more];
         if atoms.iter().any(|&a| self.laws[a] == law) || atoms.len() >= self.most {
@@ -179,7 +179,7 @@ impl<F: Clone + Send + Sync, S: Clone + Default + Send + Sync> Beam<'_, F, S> {
         Some(set)
     }
 
-    /// The leading models with one term less, or with another in place of one.
+    /// The leading models with one term less, or with one term exchanged.
     fn swapped(
         &self,
         found: &[Scored<F>],

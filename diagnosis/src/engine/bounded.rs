@@ -1,31 +1,31 @@
-//! Least squares within bounds by an active set, on normal equations of a handful of unknowns: small and quick, since a search asks
-//! for it a hundred thousand times.
+//! Bounded least squares by an active set, on normal equations of a handful of unknowns. Small and fast: a search needs
+//! it a hundred thousand times.
 
 use crate::numbers::linear::dot;
 use std::ops::Range;
 
-/// Ridge, relative to each unknown's own square: columns that are one and the same share their strength.
+/// Ridge, relative to each unknown's own square: identical columns share their strength.
 const RIDGE: f64 = 1e-9;
-/// The same for free functions: one that a block hardly touches would be anything there.
+/// Ridge of free functions: one that a block hardly touches would be arbitrary there.
 const SOFT_RIDGE: f64 = 1e-4;
 
 /// Normal equations; unused rows are 0.
 #[derive(Clone, Debug)]
 pub struct Equations {
-    /// How many unknowns there are.
+    /// Number of unknowns.
     pub n: usize,
-    /// Products of columns with columns, row after row.
+    /// Products of columns with columns, row by row.
     pub gram: Vec<f64>,
     /// Products of columns with the target.
     pub right: Vec<f64>,
-    /// The target's square.
+    /// The target's sum of squares.
     pub square: f64,
-    /// From this unknown on they are free functions.
+    /// Unknowns from this index on are free functions.
     pub soft: usize,
 }
 
 impl Equations {
-    /// None of anything, for `n` unknowns.
+    /// Zero equations for `n` unknowns.
     pub fn zero(n: usize) -> Self {
         Self {
             n,
@@ -36,7 +36,7 @@ impl Equations {
         }
     }
 
-    /// Of these samples of columns and of a target.
+    /// From these samples of columns and a target.
     pub fn of(columns: &[Vec<f64>], target: &[f64], samples: Range<usize>) -> Self {
         let n = columns.len();
         let own: Vec<&[f64]> = columns.iter().map(|c| &c[samples.clone()]).collect();
@@ -54,7 +54,7 @@ impl Equations {
         all
     }
 
-    /// Adds others of the same unknowns, times a weight.
+    /// Adds equations of the same unknowns, with a weight.
     pub fn add(&mut self, other: &Self, weight: f64) {
         for (own, more) in self.gram.iter_mut().zip(&other.gram) {
             *own += weight * more;
@@ -73,7 +73,7 @@ impl Equations {
         self.square += weight * value * value;
     }
 
-    /// Squares that are left with these values.
+    /// Residual squares at these values.
     pub fn left(&self, values: &[f64]) -> f64 {
         let mut left = self.square;
         for i in 0..self.n {
@@ -84,7 +84,7 @@ impl Equations {
         left.max(0.0)
     }
 
-    /// The values of least squares within `low..=high`; `None` where the equations have no solution.
+    /// Least-squares values within `low..=high`; `None` if the equations have no solution.
     pub fn solve(&self, low: &[f64], high: &[f64]) -> Option<Vec<f64>> {
         let n = self.n;
         let mut values = vec![0.0; n];
@@ -103,7 +103,7 @@ impl Equations {
             self.solve_free(&at, &mut values)?;
             let out = |i: usize| (low[i] - values[i]).max(values[i] - high[i]);
             let worst = at.iter().copied().filter(|&i| out(i) > 0.0);
-            // In parts of the unknown's own size: units differ.
+            // Relative to the unknown's own size: units differ.
             let size = |i: usize| out(i) * self.gram[i * n + i].sqrt();
             if let Some(i) = worst.max_by(|&a, &b| size(a).total_cmp(&size(b))) {
                 values[i] = values[i].clamp(low[i], high[i]);
@@ -118,7 +118,7 @@ impl Equations {
         Some(values)
     }
 
-    /// Which of the unknowns that stand at a bound would go back inside, if any: the one that takes most off.
+    /// Of the unknowns at a bound, the one whose release reduces the squares most, if any.
     fn inward(&self, free: &[bool], values: &[f64], low: &[f64], high: &[f64]) -> Option<usize> {
         let n = self.n;
         let least = 1e-9 * self.square.max(0.0);
@@ -135,7 +135,7 @@ impl Equations {
             .map(|(_, i)| i)
     }
 
-    /// Least squares of the unknowns at `at`, all others as they are, by Cholesky.
+    /// Least squares of the unknowns `at`, all others fixed, by Cholesky.
     fn solve_free(&self, at: &[usize], values: &mut [f64]) -> Option<()> {
         let (n, m) = (self.n, at.len());
         let mut l = vec![0.0; m * m];
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_least_squares_within_bounds_are_those_of_a_search_over_a_grid() {
-        // Two columns that nearly agree: alone the first would leave its bound by far.
+        // Two nearly equal columns: alone the first would leave its bound by far.
         let a = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         let b: Vec<f64> = (0..7).map(|i| a[i] + 0.1 * (i % 3) as f64).collect();
         let y: Vec<f64> = (0..7).map(|i| 0.5 * a[i] + 3.0 * b[i]).collect();

@@ -1,4 +1,4 @@
-//! Where displacement ends and noise begins, as the force says: velocities and accelerations above it only disturb.
+//! Cut-off between displacement and noise, judged by the force: velocities and accelerations above it only disturb.
 
 use super::bounded::Equations;
 use super::search::DECLARED;
@@ -9,18 +9,18 @@ use crate::model::base::Base;
 use crate::numbers::linear::Bound;
 use rayon::prelude::*;
 
-/// What a cut-off leaves, cross-validated.
+/// Cross-validated squares at a cut-off.
 struct Judged {
     hz: f64,
-    /// With everything free.
+    /// With all parameters free.
     free: f64,
-    /// With the declared parameters within their tolerances.
+    /// With the declared parameters held within their tolerances.
     held: f64,
 }
 
 /// The lowest cut-off of a ladder whose cross-validated squares are within a few percent of the best; never inside the
-/// band of any span, and none at which the declared model itself drowns in the noise of its derivatives: free parameters
-/// hide that, since a mass that multiplies noise is fitted as none.
+/// band of any span, nor where the declared model itself drowns in the noise of its derivatives. Free parameters hide
+/// that, since a mass that multiplies noise is fitted as zero.
 pub fn choose(base: &Base, train: &[UnfilteredSpan]) -> Option<f64> {
     let half_rate = 0.5 / train[0].interval_s();
     let each = train.iter().map(|s| s.past_band_hz(0.0));
@@ -47,9 +47,9 @@ pub fn choose(base: &Base, train: &[UnfilteredSpan]) -> Option<f64> {
     clear().find(|j| j.free <= CUTOFF_ROOM * best).map(|j| j.hz)
 }
 
-/// Cross-validated squares of a model of everyday columns: with all parameters free, and with the declared ones within their
-/// tolerances. Free ones have at least the damping and the mass that are declared: without it a mass that multiplies noise is
-/// fitted as none, and no cut-off is too high.
+/// Cross-validated squares of a model of common columns: with all parameters free, and with the declared ones held
+/// within their tolerances. Free damping and mass are at least the declared ones: otherwise a mass that multiplies
+/// noise is fitted as zero, and no cut-off is too high.
 fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
     let sizes = MotionScales::of(tracks);
     let everyday = [
@@ -82,7 +82,7 @@ fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
     Some([left_out(&parts, &free)?, left_out(&parts, &held)?])
 }
 
-/// Squares that are left of each block by a fit to the others, summed.
+/// Sum of the residual squares of each block, fitted to the others.
 fn left_out(parts: &[Equations], bounds: &[Bound]) -> Option<f64> {
     let (low, high): (Vec<f64>, Vec<f64>) = bounds.iter().map(|b| (b.low, b.high)).unzip();
     let mut whole = Equations::zero(bounds.len());

@@ -1,23 +1,23 @@
-//! Where a model leaves nothing but noise, every sample counts: the rig is one of the table, and those that leave more than noise
-//! allows are not it.
+//! If a model leaves nothing but noise, every sample counts: the rig is described by the table, and models that leave
+//! more than noise allows are wrong.
 //!
-//! The score takes a record for a few samples, since what is left is mostly the error of a law. That is not so where the best model
-//! leaves noise: there a spring that stiffens by nothing is no rival of a gain, however much alike their blocks are.
+//! The score counts a record as few samples, since a residual is mostly the error of a law. That is not so if the best
+//! model leaves noise: then a spring that stiffens by nothing is no rival of a gain, however alike their blocks are.
 
 use super::score::LEAVES_NOISE;
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use rayon::prelude::*;
 
-/// Some model leaves less structure than this share of the noise: the rig is one of the table.
+/// If some model's structure is below this fraction of the noise, the rig is described by the table.
 const ONE_OF_THE_TABLE: f64 = 0.5;
-/// So many samples count as one: noise is not white, and a law not exact.
+/// Number of samples that count as one: noise is not white, and no law is exact.
 const COUNT_AS_ONE: f64 = 8.0;
-/// More than this, nats, no samples say against a model.
+/// Most evidence that samples can give against a model, nats.
 const AT_MOST: f64 = 16.0;
 
 impl SpecimenData<'_> {
-    /// Has all samples speak against models of one law that leave more than the best one of these, where that leaves noise. Whether
-    /// there are two laws they do not say: a motion without its noise turns a little sooner or later, and a second law takes that.
+    /// Counts all samples as evidence against models of one law that leave more than the best of them, if that leaves
+    /// noise. They cannot show a second law: it would absorb turns that a motion without its noise makes off time.
     pub fn weigh_samples(&self, fits: &mut [SpecimenModelFit]) {
         let one = |f: &&SpecimenModelFit| f.terms.len() == 1;
         let near = |f: &SpecimenModelFit| one(&f) && f.evidence.left_rms() < LEAVES_NOISE;
@@ -31,7 +31,7 @@ impl SpecimenData<'_> {
             .collect();
         let samples = self.target().len() as f64;
         let least = costs.iter().flatten().map(|c| c.0);
-        // The noise of this record, where a rest told another.
+        // The noise of this record, if a rest indicates another.
         let own = (least.fold(f64::INFINITY, f64::min) / samples).max(1.0);
         let counted = samples / COUNT_AS_ONE;
         let against = |(cost, unknowns): (f64, usize)| {

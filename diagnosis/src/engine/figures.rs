@@ -1,4 +1,4 @@
-//! The parameters of a name, each with its 90 % interval on condition that the name is right, and a model as part of a model file.
+//! The parameters of a name, with 90 % intervals conditional on the name being right; a model as part of a model file.
 
 use super::asked::Asked;
 use super::row::Form;
@@ -33,7 +33,7 @@ impl Asked for SpecimenData<'_> {
         if fit.left_out_mm.is_none() {
             return own;
         }
-        // Near a reversal alone friction shows over which way it builds up.
+        // Only near a reversal does friction show the travel over which it builds up.
         let whole = SpecimenModelFit {
             left_out_mm: None,
             ..fit.clone()
@@ -68,7 +68,7 @@ struct Figures<'a, 'b> {
 }
 
 impl Figures<'_, '_> {
-    /// Each name with its parameters.
+    /// All names with their parameters.
     fn all(&self) -> Vec<(Effect, Vec<ParameterEstimate>)> {
         let mut names: Vec<Effect> = Vec::new();
         for name in &self.fit.names {
@@ -98,7 +98,7 @@ impl Figures<'_, '_> {
         names.into_iter().map(of).collect()
     }
 
-    /// A gain is told beside a stiffness that is known to its tolerance.
+    /// Widens the interval of a gain, which is relative to a stiffness known only to its tolerance.
     fn as_far_as_declared(
         &self,
         name: Effect,
@@ -115,7 +115,7 @@ impl Figures<'_, '_> {
         all
     }
 
-    /// The elements among the terms, and whose each is.
+    /// The elements among the terms, with the name that each belongs to.
     fn elements(&self, fit: &SpecimenModelFit) -> (SpecimenFit, Vec<Effect>) {
         let rows = &self.data.rows;
         let mut elements = Vec::new();
@@ -167,7 +167,7 @@ impl Figures<'_, '_> {
         all
     }
 
-    /// Puts the fit into a model: refitted parameters, elements beside the specimen, effects.
+    /// Writes the fit into a model: refitted parameters, elements beside the specimen, effects.
     fn save(&self, model: &mut Model) {
         let (elements, owners) = self.elements(self.fit);
         elements.save(&owners, model);

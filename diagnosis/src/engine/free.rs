@@ -1,5 +1,5 @@
-//! The rival without a name: free functions of displacement and speed, memory of any yield, relaxation and slow change, beside any
-//! model. Where it predicts left-out blocks as well as a law does, less its price, the law is not the only one that could be there.
+//! The unnamed rival: free functions of displacement and speed, memory of any yield, relaxation and slow change, added
+//! to any model. If it predicts left-out blocks as well as a law, less its price, other laws are possible.
 
 use super::bounded::Equations;
 use super::gram::judged;
@@ -9,18 +9,18 @@ use super::specimen::{SpecimenData, SpecimenModelFit};
 use crate::laws::specimen::track::Track;
 use crate::numbers::operators::{relaxed, slider, travel};
 
-/// What it costs beside a model, nats: it beats a name of the usual 3 where it leaves half of what that leaves.
+/// Its price, nats: it beats a name of the usual price 3 if it leaves about half of that name's squares.
 const PRICE: f64 = 9.5;
 /// Knots over the displacement, in half ranges.
 const PLACES: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
-/// Knots over the speed, in top speeds. Steeper ones are friction, and a name would never be told from them.
+/// Knots over the speed, in top speeds. Steeper ones would be friction, and indistinguishable from a name.
 const SPEEDS: [f64; 7] = [-1.0, -0.6, -0.2, 0.0, 0.2, 0.6, 1.0];
-/// Yields of sliders, in half ranges; each also in proportion to the distance from the middle.
+/// Yields of sliders, in half ranges; each also with a force proportional to the distance from the middle.
 const YIELDS: [f64; 4] = [0.05, 0.15, 0.4, 0.8];
 /// Time constants, in half ranges over the top speed.
 const RELAXES: [f64; 3] = [0.3, 1.5, 6.0];
 
-/// The hat of a knot among others at `u`; what is outside counts as the end.
+/// The hat function of a knot at `u`; beyond the ends it counts as at the end.
 fn hat(u: f64, knots: &[f64], i: usize) -> f64 {
     let u = u.clamp(knots[0], knots[knots.len() - 1]);
     let side = if u < knots[i] {
@@ -35,7 +35,7 @@ fn hat(u: f64, knots: &[f64], i: usize) -> f64 {
 }
 
 impl SpecimenData<'_> {
-    /// Columns of the rival.
+    /// The rival's columns.
     pub fn free(&self) -> Vec<Vec<f64>> {
         self.stacked(|m: &Motion| self.free_over(&m.track))
     }
@@ -60,7 +60,7 @@ impl SpecimenData<'_> {
         all
     }
 
-    /// What speaks for a model with the rival's columns beside it.
+    /// The evidence for a model with the rival's columns added.
     pub fn beside_free(&self, fit: &SpecimenModelFit, free: &[Vec<f64>]) -> Option<Evidence> {
         let mut columns = self.columns_on(&fit.terms, &fit.specimen());
         let mut bounds = self.bounds(&fit.terms);
@@ -78,7 +78,7 @@ impl SpecimenData<'_> {
         Some(self.score.evidence(&fitted.left_out, price))
     }
 
-    /// Squares that a fit leaves on each block.
+    /// Residual squares of a fit on each block.
     fn left_by(&self, fit: &SpecimenModelFit) -> [f64; BLOCKS] {
         std::array::from_fn(|b| {
             let above = 1.0 + fit.evidence.left[b];

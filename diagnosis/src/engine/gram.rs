@@ -1,5 +1,5 @@
-//! Scalar products of all columns, block by block of the training data: with them any model is fitted, and judged on the block that
-//! it was not fitted to, without the data.
+//! Scalar products of all columns, block by block of the training data: enough to fit any model, and to judge it on the
+//! block left out, without the data.
 
 use super::bounded::Equations;
 use super::score::{BLOCKS, Score};
@@ -7,7 +7,7 @@ use crate::numbers::linear::{Bound, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Products of one block's samples.
+/// Products over one block's samples.
 #[derive(Clone, Debug)]
 struct Block {
     gram: DMatrix<f64>,
@@ -15,26 +15,26 @@ struct Block {
     square: f64,
 }
 
-/// Products of all blocks, of columns that are scaled to a mean square of 1.
+/// Products of all blocks, for columns scaled to a mean square of 1.
 #[derive(Clone, Debug)]
 pub struct Grams {
     each: Vec<Block>,
     scale: Vec<f64>,
 }
 
-/// A model that was fitted: its strengths and what it leaves of each block that it was not fitted to.
+/// A fitted model: its strengths, and its residual on each left-out block.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// In the columns' own units.
+    /// Strengths in the columns' own units.
     pub strengths: Vec<f64>,
-    /// Squares left on each block, fitted to the other eleven.
+    /// Residual squares on each block, fitted to the other eleven.
     pub left_out: [f64; BLOCKS],
-    /// Squares left on each block, fitted to all.
+    /// Residual squares on each block, fitted to all.
     pub left: [f64; BLOCKS],
 }
 
 impl Grams {
-    /// From columns and what was measured; `edges` are the blocks' first samples and the end.
+    /// From columns and a target; `edges` are the blocks' first samples and the end.
     pub fn new(columns: &[Vec<f64>], target: &[f64], edges: &[usize]) -> Self {
         let scale: Vec<f64> = columns
             .par_iter()
@@ -54,7 +54,7 @@ impl Grams {
         Self { each, scale }
     }
 
-    /// Products of some of the columns on one block, in the columns' scale.
+    /// Products of some of the columns on one block, scaled.
     fn part(&self, block: &Block, at: &[usize]) -> Equations {
         let n = at.len();
         let mut part = Equations::zero(n);
@@ -68,8 +68,8 @@ impl Grams {
         part
     }
 
-    /// Fits a model by the score's own weights, which its fit decides and which are therefore worked out twice, and judges it on
-    /// each block left out.
+    /// Fits a model with the score's own weights, which depend on the fit and are therefore computed twice, and judges
+    /// it on each left-out block.
     pub fn fit(
         &self,
         terms: &[(usize, Bound)],
@@ -97,21 +97,21 @@ impl Grams {
     }
 }
 
-/// A declared parameter that is held by its tolerance.
+/// A declared parameter held by its tolerance.
 #[derive(Clone, Copy, Debug)]
 pub struct Tie {
-    /// Which of the unknowns.
+    /// Index of the unknown.
     pub unknown: usize,
-    /// What is declared.
+    /// The declared value.
     pub value: f64,
-    /// What its distance from that weighs: [`Score::tie`].
+    /// Weight of its deviation from that value: [`Score::tie`].
     pub weight: f64,
 }
 
-/// Rounds of weights.
+/// Number of rounds of weights.
 const ROUNDS: usize = 2;
 
-/// Values of least weighted squares within bounds, and what is left of each block by values fitted to the others.
+/// Weighted least-squares values within bounds, and the residuals of each block by values fitted to the others.
 pub fn judged(
     parts: &[Equations],
     [low, high]: [&[f64]; 2],

@@ -1,4 +1,4 @@
-//! The one engine: a channel is a path, terms and coloured noise; from a record to a decision.
+//! The engine: models a channel as a path, terms and coloured noise, and takes a record to a decision.
 //!
 //! ```text
 //! row, law/  one table of what may be missing: a row a law, a file a family
@@ -14,11 +14,11 @@
 //! asked      what an answer needs of a channel                    one_each   one model a name, for the next test
 //! ```
 //!
-//! What it expects of what surrounds it: records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the model
-//! already has (`prepare/known.rs`); a noise that is the transducer's and the declared model's on it, no disturbance
-//! (`prepare/noise.rs`); and that what follows a verdict names nothing new (`diagnose.rs`). Notes, remainder, intervals of the error and saving take
-//! a [`SpecimenModelFit`] and its residuals. What is wrong in the matrices of several coordinates is found by the same search, posterior
-//! and verdict (`diagnose/coupled/select.rs`): there a name is an entry.
+//! The engine expects records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the
+//! model already explains (`prepare/known.rs`); a noise that is the transducer's and the declared model's response to
+//! it, no disturbance (`prepare/noise.rs`); and that what follows a verdict adds no names (`diagnose.rs`). Notes,
+//! remainder, error intervals and saving use a [`SpecimenModelFit`] and its residuals. The same search, posterior and
+//! verdict find wrong matrix entries of several coordinates (`diagnose/coupled/select.rs`): there a name is an entry.
 
 mod actuator;
 mod asked;
@@ -58,16 +58,16 @@ use rayon::prelude::*;
 use score::raised;
 use specimen::Term;
 
-/// Models whose shapes are moved to their best.
+/// Number of models whose shapes are refined.
 const POLISHED: usize = 24;
-/// Models that are asked for one term less.
+/// Number of leading models that are also tried with one term less.
 const ASKED_FOR_LESS: usize = 5;
-/// Models further below the best one than this are not, nats.
+/// Largest distance of a refined model below the best score, nats.
 const FAR_BELOW: f64 = 14.0;
 
-/// Models that free functions are put beside.
+/// Number of leading models that are also tried with free functions added.
 const BESIDE_FREE: usize = 10;
-/// Searches, and decides.
+/// Searches a specimen's channel and decides; `None` if no model can be fitted.
 pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
     let (atoms, mut found) = data.searched();
@@ -88,7 +88,7 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     Some(Found::of(all, declared, noise.told))
 }
 
-/// The declared model and the leading ones with free functions beside them.
+/// The declared model and the leading ones, each with free functions added.
 fn nameless(
     data: &SpecimenData,
     fits: &[SpecimenModelFit],
@@ -113,7 +113,7 @@ fn nameless(
     all
 }
 
-/// The leading models with their shapes at their best, and what the best of them are with one term less.
+/// The leading models with refined shapes, and the best of them with one term less.
 fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
@@ -144,7 +144,7 @@ fn polished(
     };
     let mut fits = all(starts);
     fits.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
-    // From where the shapes are now.
+    // Start from the refined shapes.
     let leading = fits
         .iter()
         .take(ASKED_FOR_LESS)
@@ -161,7 +161,7 @@ fn polished(
     Some(fits)
 }
 
-/// The share of a stated probability that holds: what is left tells whether a law that is not in the table may be the cause.
+/// The credible fraction of a stated probability: the residual tells whether a law not in the table may be the cause.
 pub fn trust(evidence: &score::Evidence) -> f64 {
     let [below, above] = verdict::NOT_IN_THE_TABLE;
     let share = if evidence.left_rms() < verdict::UNEXPLAINED {
@@ -172,32 +172,32 @@ pub fn trust(evidence: &score::Evidence) -> f64 {
     1.0 - share
 }
 
-/// What the other name of a force costs, nats: the shape speaks for its own a little.
+/// Cost of a force's other name, nats: the shape slightly favours its own name.
 const OTHER_NAME: f64 = 0.4;
 
-/// A fit under each of the names that its force has.
+/// A fit under each of the names that its force may have.
 fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<SpecimenModelFit>> {
     let mut all = vec![fit.names.clone()];
     let other = |i: usize| {
         let term = fit.terms[i];
         data.rows[term.row].other_name(term.shape, fit.names[i], &data.sizes)
     };
-    // Friction beside hysteresis that yields as early as friction may is one thing that slides, whose knee is round.
+    // Friction with hysteresis that yields as early as friction may is one sliding contact with a rounded knee.
     let early =
         |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
     let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
     let has_only = |own| data.has_only(&fit, own);
     let late = data.late_s(&fit).is_some_and(|s| s > 0.0);
-    // A filter of a higher order is late, and leads or lags with the square of the frequency, as a mass does.
+    // A higher-order filter delays, and leads or lags with the square of the frequency, as a mass does.
     let kg_of_a_filter = data
         .late_s(&fit)
         .map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
     let kg = fit.declared[2] - data.declared_values()[2];
     for i in 0..fit.terms.len() {
         let also = match fit.names[i] {
-            // Damping and mass, which a clip clips, too, tell it from a spring that gives way.
+            // Damping and mass, which a clip would also limit, tell it from a spring that softens.
             Effect::Saturation if has_only(0) => Some(Effect::Softening),
-            // A dashpot that is late is one behind its brace: only a spring or a mass would tell.
+            // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
             Effect::ChannelSkew if late && has_only(1) => Some(Effect::MaxwellDamper),
             Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
             name if name.entry().family == Family::Friction => early,

@@ -1,4 +1,4 @@
-//! A specimen's record as the laws see it: a motion without its noise, and the columns of a law over it.
+//! A specimen's record as seen by the laws: a motion without its noise, and a law's columns over it.
 
 use super::row::{Form, Row, Sizes};
 use crate::laws::specimen::element::Element;
@@ -11,16 +11,16 @@ use crate::record::spectrum;
 /// A record's motion.
 #[derive(Debug)]
 pub struct Motion {
-    /// From before the record on, with enough samples a cycle for what has a memory.
+    /// Starts before the record, with enough samples a cycle for laws with memory.
     pub track: Track,
     signals: Signals,
     declared: [Vec<f64>; 4],
-    /// The parameters of the specimen whose answer is in `signals`.
+    /// Parameters of the specimen whose response is in `signals`.
     acted_on: [f64; 4],
 }
 
 impl Motion {
-    /// Of a track, with what the declared specimen answers to it.
+    /// From a track, with the declared specimen's response to it.
     pub fn new(track: Track, base: &Base) -> Self {
         let declared = track.declared_columns();
         let mut answer = vec![0.0; track.x.len()];
@@ -54,8 +54,8 @@ impl Motion {
         self.declared.to_vec()
     }
 
-    /// A law's columns, from before the record on, of effects on a specimen of these parameters. A stage's is what it makes of that
-    /// specimen's answer, less that.
+    /// A law's columns, from before the record on, for effects on a specimen of these parameters. A stage's column is
+    /// what it makes of that specimen's response, minus that response.
     pub fn columns(
         &self,
         row: &Row,
@@ -92,20 +92,20 @@ impl Motion {
         }
     }
 
-    /// The strongest line near the mains' frequency in what the declared model leaves, Hz.
+    /// Strongest line near the mains frequency in the declared model's residual, Hz.
     pub fn line_hz(&self) -> Option<f64> {
         let left = difference(&self.track.force, &self.track.span_of(&self.signals.base));
         let interval_s = self.track.interval_s * self.track.fine as f64;
         spectrum::line_hz(&left, interval_s, MAINS_HZ[0], MAINS_HZ[1]).map(|l| l.0)
     }
 
-    /// A signal that comes late.
+    /// A delayed signal.
     pub fn late(&self, x: &[f64], late_s: f64) -> Vec<f64> {
         delayed(x, late_s, self.track.interval_s)
     }
 }
 
-/// Sizes of training records, which every record is measured by.
+/// Sizes of training records, the reference for every record.
 pub fn sizes(
     motion: MotionScales,
     motions: &[Motion],

@@ -1,4 +1,4 @@
-//! The best model with one law of each name: what a next test has to tell apart.
+//! The best model with one law for each name: what a next test has to tell apart.
 
 use super::actuator::actuator_each;
 use super::asked::{Asked, OfOneName};
@@ -13,12 +13,12 @@ use crate::record::recording::Recording;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
-/// Laws of a name whose shapes are moved to their best.
+/// Number of laws per name whose shapes are refined.
 const POLISHED: usize = 3;
-/// What is left below this share of the output's squares counts as nothing.
+/// A residual below this fraction of the output's squares counts as nothing.
 const NOTHING: f64 = 1e-8;
 
-/// One model for each name that `wanted` lets through, best first; each name with the form that leaves least.
+/// One model per name accepted by `wanted`, best first; of each name the form with the smallest residual.
 pub fn each(
     model: &Model,
     channel: Channel,
@@ -68,7 +68,7 @@ fn specimen_each(
     fits.sort_by(|a, b| a.2.total_cmp(&b.2));
     let mut all: Vec<OfOneName> = Vec::new();
     for (name, fit, left) in fits {
-        // Settling takes time.
+        // Settling is slow.
         if all.iter().all(|a| a.name != name) {
             all.push(OfOneName::of(&data, &fit, name, model, left));
         }

@@ -1,4 +1,4 @@
-//! A model's shapes at their best: steps towards the score's own least squares, and the model judged with its shapes' freedom.
+//! Refines a model's shapes by steps towards the score's least squares, and judges it with its shapes' freedom.
 
 use super::bounded::Equations;
 use super::gram::judged;
@@ -10,13 +10,13 @@ use crate::numbers::linear::Bound;
 use crate::numbers::signals::{add_columns, difference};
 use plant::Effect;
 
-/// Rounds of polishing.
+/// Number of rounds of polishing.
 const ROUNDS: usize = 6;
-/// A fall of the cost that is not worth another round, as a share.
+/// Relative decrease of the cost that is not worth another round.
 const SETTLED: f64 = 2e-3;
 /// The largest step of a shape, in its own unit.
 const MOST_STEP: f64 = 0.5;
-/// The step that a slope is formed over, in the shape's own unit.
+/// Step for a slope, in the shape's own unit.
 const STEP: f64 = 5e-3;
 
 /// A model with its strengths.
@@ -32,7 +32,7 @@ struct Weighed {
     cost: f64,
 }
 
-/// How the answer changes with a shape, for one unit of it.
+/// Change of the response per unit of a shape.
 #[derive(Debug)]
 struct Slope {
     term: usize,
@@ -42,7 +42,7 @@ struct Slope {
 }
 
 impl Weighed {
-    /// The refitted parameters, which effects act on in the next round.
+    /// The refitted parameters, on which effects act in the next round.
     fn on_refitted(&self) -> [f64; DECLARED] {
         std::array::from_fn(|i| self.strengths[i])
     }
@@ -56,7 +56,7 @@ fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
 }
 
 impl SpecimenData<'_> {
-    /// Moves the shapes of a model to their best and judges it, its shapes' freedom included.
+    /// Refines the shapes of a model and judges it, counting its shapes' freedom.
     pub fn polished(&self, start: &[Term]) -> Option<SpecimenModelFit> {
         let mut terms = start.to_vec();
         let mut here = self.fitted(&terms, self.declared_values())?;
@@ -85,7 +85,7 @@ impl SpecimenData<'_> {
         self.concluded(terms, &here, slopes)
     }
 
-    /// The strengths of a model by the score's weights.
+    /// The strengths of a model, with the score's weights.
     fn fitted(&self, terms: &[Term], on: [f64; DECLARED]) -> Option<Weighed> {
         let columns = self.columns_on(terms, &on);
         let bounds = self.bounds(terms);
@@ -106,12 +106,12 @@ impl SpecimenData<'_> {
             strengths: fitted.strengths,
             residual,
             weights,
-            // Nats of the fit itself, as squares: the score's own measure.
+            // The score of the fit itself, expressed as squares.
             cost: (-2.0 * cost / NU).exp(),
         })
     }
 
-    /// How the answer changes with each shape: the term, its shape, whether by factors, and the column.
+    /// Change of the response with each shape: the term, its shape, whether it changes by factors, and the column.
     fn slopes(&self, terms: &[Term], here: &Weighed) -> Vec<Slope> {
         let mut all = Vec::new();
         let mut at = DECLARED;
@@ -157,7 +157,7 @@ impl SpecimenData<'_> {
         all
     }
 
-    /// Columns behind a stage of a model, to first order of one sample: a stage is late by a fixed time.
+    /// Columns passed through a model's stage, to first order in one sample: a stage delays by a fixed time.
     fn staged(&self, columns: Vec<Vec<f64>>, terms: &[Term]) -> Vec<Vec<f64>> {
         let Some(late_s) = late_s(&self.rows, terms) else {
             return columns;
@@ -182,7 +182,7 @@ impl SpecimenData<'_> {
         change
     }
 
-    /// One step of the shapes towards the best, by halves where it would not be one.
+    /// One step of the shapes towards the optimum, halved until it is an improvement.
     fn stepped(
         &self,
         terms: &[Term],
@@ -220,7 +220,7 @@ impl SpecimenData<'_> {
         None
     }
 
-    /// How far strengths and shapes may go from where they are.
+    /// How far strengths and shapes may move from their present values.
     fn room(&self, here: &Weighed, slopes: &[Slope], most: f64) -> (Vec<f64>, Vec<f64>) {
         let own = here.bounds.iter().zip(&here.strengths);
         let mut low: Vec<f64> = own.clone().map(|(b, s)| b.low - s).collect();
@@ -244,13 +244,13 @@ impl SpecimenData<'_> {
         ties.iter_mut()
             .for_each(|t| t.value -= here.strengths[t.unknown]);
         let fitted = judged(&parts, [&low, &high], &ties, &self.score, &here.weights)?;
-        // A parameter inside its tolerances is no cause.
+        // A parameter within its tolerances is no cause.
         let inside = |t: &Term| {
             let Form::Parameter(i) = self.rows[t.row].form else {
                 return false;
             };
             let [within, _] = self.declared()[i];
-            // Alone less damping than declared is noise in a derivative.
+            // Alone, less damping than declared is noise in a derivative.
             let low = if i == 1 && terms.len() == 1 {
                 f64::NEG_INFINITY
             } else {
@@ -284,7 +284,7 @@ impl SpecimenData<'_> {
             })
             .collect();
         let mut families: Vec<(Effect, _)> = names.iter().map(|n| (*n, n.entry().family)).collect();
-        // One name in two terms is one cause.
+        // The same name in two terms is one cause.
         families.sort_by_key(|f| f.0 as usize);
         families.dedup_by_key(|f| f.0);
         let families: Vec<_> = families.into_iter().map(|f| f.1).collect();

@@ -1,14 +1,14 @@
-//! From scored models to the probability of each name and of nothing.
+//! From scored models to the probability of each name and of no name.
 
 use super::score::Evidence;
 use plant::{Effect, Family};
 
-/// What may be missing.
+/// Something that may be missing from a model.
 pub trait Name: Copy + Eq {
-    /// Its place among all of them.
+    /// Its index in the list of all names.
     fn place(self) -> usize;
 
-    /// The family that it is of, where it is of one.
+    /// Its family, if it has one.
     fn family(self) -> Option<Family>;
 }
 
@@ -22,30 +22,30 @@ impl Name for Effect {
     }
 }
 
-/// A model with its names; none: the declared one.
+/// A model with its names; the declared model has none.
 #[derive(Clone, Debug)]
 pub struct Candidate<M, N = Effect> {
-    /// The names, rising, each once.
+    /// The names, in ascending order, each once.
     pub names: Vec<N>,
-    /// Free functions are beside the names.
+    /// True if the model also has free functions.
     pub nameless: bool,
-    /// A name of it says no more than its family: no name of the list is its own.
+    /// True if one of its terms can be named only by family: no name in the list is its own.
     pub only_family: bool,
-    /// What speaks for it.
+    /// The evidence for it.
     pub evidence: Evidence,
     /// The model itself, without free functions.
     pub model: M,
 }
 
-/// Models, one of each set of names, with their probabilities; the likeliest first.
+/// The best model of each set of names, with and without free functions, with its probability; the likeliest first.
 #[derive(Clone, Debug)]
 pub struct Posterior<M, N = Effect> {
-    /// All of them.
+    /// All models.
     pub models: Vec<(Candidate<M, N>, f64)>,
 }
 
 impl<M: Clone, N: Name> Posterior<M, N> {
-    /// Of these models.
+    /// Computes the posterior of these models.
     pub fn of(mut all: Vec<Candidate<M, N>>) -> Self {
         let score = |c: &Candidate<M, N>| c.evidence.score();
         all.retain(|c| score(c).is_finite());
@@ -66,7 +66,7 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         }
     }
 
-    /// How probable it is that a name is in the rig.
+    /// Probability that a name is in the rig.
     pub fn name(&self, name: N) -> f64 {
         let with = self.models.iter().filter(|(c, _)| c.names.contains(&name));
         with.map(|(_, w)| w).sum()
@@ -86,7 +86,7 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         with
     }
 
-    /// What may be in the rig in the place of `name`, beside the others of `names`: each with its probability, the likeliest first.
+    /// Possible replacements of `name` in models with the others of `names`, with probabilities, the likeliest first.
     pub fn rivals(&self, name: N, names: &[N]) -> Vec<(N, f64)> {
         let stays = |c: &Candidate<M, N>| {
             let others = names.iter().filter(|n| **n != name);
@@ -105,12 +105,12 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         rivals
     }
 
-    /// The same if there is nothing without a name.
+    /// The posterior under the condition that nothing without a name is in the rig.
     pub fn named(&self) -> Self {
         self.only(|c| !c.nameless)
     }
 
-    /// The same if there are as many names as the fewest of a model that `does`; `None` where none does.
+    /// The posterior given the name count of the smallest named model for which `does` holds; `None` if there is none.
     pub fn with_as_few_names(&self, does: impl Fn(&Candidate<M, N>) -> bool) -> Option<Self> {
         let enough = self.models.iter().map(|m| &m.0);
         let enough = enough.filter(|c| !c.names.is_empty() && does(c));
@@ -127,7 +127,7 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         }
     }
 
-    /// The share of what any model takes from the declared one, in the logarithm of the squares, that this one takes.
+    /// Fraction of the largest reduction of the declared model's residual, in log squares, that this model achieves.
     pub fn explained(&self, by: &Candidate<M, N>) -> f64 {
         let density = |c: &Candidate<M, N>| c.evidence.log_density;
         let most = self.models.iter().map(|m| density(&m.0));
@@ -138,20 +138,20 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         })
     }
 
-    /// How probable it is that names of this family are in the rig, any of them.
+    /// Probability that at least one name of this family is in the rig.
     pub fn family(&self, family: Family) -> f64 {
         let of = |n: &N| n.family() == Some(family);
         let with = self.models.iter().filter(|(c, _)| c.names.iter().any(of));
         with.map(|(_, w)| w).sum()
     }
 
-    /// How probable it is that something without a name is in the rig.
+    /// Probability that something without a name is in the rig.
     pub fn unnamed(&self) -> f64 {
         let with = self.models.iter().filter(|(c, _)| c.nameless);
         with.map(|(_, w)| w).sum()
     }
 
-    /// The best model without any name.
+    /// The best model without any name or free function.
     pub fn declared(&self) -> Option<&Candidate<M, N>> {
         let plain = |c: &&Candidate<M, N>| c.names.is_empty() && !c.nameless;
         self.models.iter().map(|m| &m.0).find(plain)
@@ -164,7 +164,7 @@ mod tests {
     use super::super::verdict::{NOTHING, Said, verdict};
     use super::*;
 
-    /// A candidate that leaves so many times the noise, at a price.
+    /// A candidate whose residual is `left` times the noise, at this price.
     fn candidate(names: &[Effect], left: f64, price: f64) -> Candidate<()> {
         let score = Score {
             noise: 1.0,
@@ -199,7 +199,7 @@ mod tests {
         ]);
         assert!((clear.name(friction) - 1.0).abs() < 1e-3);
         assert!(matches!(verdict(&clear, NOTHING), Said::Names(n) if n.names.len() == 1));
-        // Each of two names is judged by what it takes from the other's model.
+        // Each of two names is judged by how much it improves the other's model.
         let both = Posterior::of(vec![
             declared,
             candidate(&[friction], 5.0, 3.0),
@@ -246,7 +246,7 @@ mod tests {
             verdict(&Posterior::of(all), NOTHING)
         };
         assert!(matches!(of(2.0, 1.9), Said::Names(n) if !n.more));
-        // Friction takes nearly all of it: a plain name, and not all.
+        // Friction explains nearly all of it: a plain name, but something more remains.
         assert!(matches!(of(1.0, 0.5), Said::Names(n) if n.more));
         assert!(matches!(of(2.0, 0.5), Said::Unknown(Some(_))));
     }
@@ -255,7 +255,7 @@ mod tests {
     fn nothing_is_said_to_be_missing_below_the_noise_and_unknown_above_it() {
         let quiet = Posterior::of(vec![candidate(&[], 0.3, 0.0)]);
         assert!(matches!(verdict(&quiet, NOTHING), Said::Nothing));
-        // Where no rest tells the noise, and then only where no law takes what is left.
+        // Only if no rest determines the noise, and only if no law explains the residual.
         let louder = [
             candidate(&[], 0.7, 0.0),
             candidate(&[Effect::Drift], 0.1, 3.0),

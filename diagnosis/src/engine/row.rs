@@ -1,4 +1,4 @@
-//! A law of the table: what it is computed by, over which shapes it is looked for, and what it costs.
+//! A law of the table: its equation, the shapes to search, and its price.
 
 use crate::criteria::MAY_BE_FRICTION;
 use crate::laws::library::candidate::Shape;
@@ -9,27 +9,27 @@ use crate::numbers::linear::Bound;
 use crate::numbers::signals::Scales;
 use plant::{Channel, Effect, Family};
 
-/// What a law is computed by.
+/// The equation of a law.
 #[derive(Clone, Copy, Debug)]
 pub enum Form {
     /// A declared parameter that leaves its tolerance, in the order of [`Channel::parameters`].
     Parameter(usize),
     /// An element of free strength beside the specimen.
     Element(Law),
-    /// An effect of the catalogue, relative to the declared specimen.
+    /// An effect of the catalogue, as a change of the declared specimen.
     Effect(Candidate),
 }
 
 /// A law of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What it is computed by.
+    /// Its equation.
     pub form: Form,
-    /// Shapes that the search looks at.
+    /// Shapes to search.
     pub grid: Vec<[f64; 4]>,
-    /// What it costs, nats.
+    /// Its price, nats.
     pub price: f64,
-    /// The declared parameter that it may take out of its tolerance with it, without a name for that.
+    /// The declared parameter that it may free from its tolerance, without a name for that.
     pub frees: Option<usize>,
 }
 
@@ -40,12 +40,12 @@ pub struct Sizes {
     pub motion: MotionScales,
     /// For effects.
     pub scales: Scales,
-    /// The motion has one speed each way: what builds up in time and what builds up along the way are one.
+    /// True if the motion has one speed each way: what builds up in time and along the travel is then the same.
     pub one_speed: bool,
 }
 
 impl Sizes {
-    /// The same for effects on a specimen of these parameters.
+    /// Sizes for effects on a specimen of these parameters.
     pub fn on(&self, parameters: &[f64; 4]) -> Self {
         let mut own = *self;
         if parameters[0] != 0.0 {
@@ -55,12 +55,12 @@ impl Sizes {
     }
 }
 
-/// A number more of a shape.
+/// Price of an additional shape number.
 const A_SHAPE: f64 = 0.7;
-/// A strength more.
+/// Price of an additional strength.
 const A_STRENGTH: f64 = 0.4;
-/// A declared parameter that leaves its tolerance beside the law, without a name: as much as under a name of its own, else every law
-/// with a strength of nothing is a rival of `gain_error`.
+/// Price of a declared parameter freed along with the law, without a name: as high as under a name of its own,
+/// otherwise every law of zero strength would be a rival of `gain_error`.
 const A_PARAMETER: f64 = 3.2;
 
 impl Row {
@@ -74,7 +74,7 @@ impl Row {
         }
     }
 
-    /// An element of free strength over these shapes.
+    /// An element of free strength with these shapes.
     pub fn element(law: Law, price: f64, grid: impl IntoIterator<Item = [f64; 4]>) -> Self {
         let grid: Vec<[f64; 4]> = grid.into_iter().collect();
         let shapes = grid
@@ -88,13 +88,13 @@ impl Row {
         }
     }
 
-    /// An effect of the catalogue by its name, over so many values of each of its shapes.
+    /// An effect of the catalogue by its name, with this number of values for each of its shapes.
     pub fn effect(name: Effect, price: f64, sizes: &Sizes, counts: &[usize]) -> Option<Self> {
         let candidate = CANDIDATES.iter().find(|c| c.effect == name)?;
         Some(Self::of(*candidate, price, sizes, counts))
     }
 
-    /// The same by a form of an effect that the catalogue's name does not lead to.
+    /// The same for a form of an effect that is not the one under the catalogue's name.
     pub fn of(candidate: Candidate, price: f64, sizes: &Sizes, counts: &[usize]) -> Self {
         let shapes = (candidate.shapes)(&sizes.scales);
         let strengths = (candidate.bounds)(&sizes.scales).len().max(1);
@@ -120,7 +120,7 @@ impl Row {
         }
     }
 
-    /// The same with a declared parameter that may leave its tolerance with it.
+    /// The same law with a declared parameter that it may free from its tolerance.
     pub fn with_own(&self, parameter: usize) -> Self {
         Self {
             price: self.price + A_PARAMETER,
@@ -129,12 +129,12 @@ impl Row {
         }
     }
 
-    /// Whether no name of the list says more of it than its family: beside such a name there is more.
+    /// True if it can only be named by family: something beyond such a name remains.
     pub fn has_its_familys_name(&self) -> bool {
         matches!(self.form, Form::Element(Law::Recentring))
     }
 
-    /// Its name with a shape and a strength.
+    /// Its name for a shape and a strength.
     pub fn name(&self, shape: [f64; 4], strength: f64, sizes: &Sizes) -> Effect {
         match self.form {
             Form::Parameter(i) => Channel::Specimen.mistakes()[i],
@@ -143,17 +143,17 @@ impl Row {
         }
     }
 
-    /// The other name that the same force has, where the motion does not tell: the give of a sliding contact or a yielding spring, a
-    /// dashpot or one behind a stiff spring.
+    /// The other name of the same force, if the motion cannot tell: the give of a sliding contact or a yielding spring,
+    /// a dashpot or one behind a stiff spring.
     pub fn other_name(&self, shape: [f64; 4], own: Effect, sizes: &Sizes) -> Option<Effect> {
         let law = match self.form {
             Form::Element(law) => law,
-            // What yields early may be the give of a sliding contact.
+            // Early yielding may be the give of a sliding contact.
             Form::Effect(c) if c.effect.entry().family == Family::Hysteresis => {
                 let early = shape[0] < MAY_BE_FRICTION * sizes.motion.x;
                 return early.then_some(Effect::CoulombFriction);
             }
-            // A fall with speed that is over while friction still builds up may be the way in which it does.
+            // A fall with speed that ends while friction still builds up may be how it builds up.
             Form::Effect(c) if c.effect == Effect::StribeckFriction => {
                 let m = &sizes.motion;
                 let built_up = m.v * (2.0 * BUILDS_UP * shape[0] / m.x).sqrt();
@@ -179,11 +179,11 @@ impl Row {
         self.name(shape, 1.0, sizes).entry().family
     }
 
-    /// What its strengths may be; a stage has none.
+    /// Bounds of its strengths; a stage has none.
     pub fn bounds(&self, sizes: &Sizes, shape: [f64; 4]) -> Vec<Bound> {
         match self.form {
             Form::Parameter(_) => Vec::new(),
-            // Beyond a place there is no less than none of the spring.
+            // Beyond a place the spring can at most vanish.
             Form::Element(Law::Beyond) if shape[1] == 0.0 => vec![Bound {
                 low: -NO_SPRING * sizes.scales.stiffness,
                 high: f64::INFINITY,
@@ -204,7 +204,7 @@ impl Row {
         }
     }
 
-    /// Which of its shapes are moved to their best, whether by factors, and between which values.
+    /// The shapes that may be refined, whether by factors, and their ranges.
     pub fn movable(&self, shape: [f64; 4], sizes: &Sizes) -> Vec<(usize, bool, [f64; 2])> {
         match self.form {
             Form::Parameter(_) => Vec::new(),
@@ -213,7 +213,7 @@ impl Row {
                 let all = own.movable().iter();
                 all.map(|&(i, scale)| {
                     let log = scale == crate::laws::specimen::Scale::Log;
-                    // A place is moved by shares of the motion.
+                    // A place moves by fractions of the motion.
                     let range = match law {
                         Law::Beyond if !log => [-sizes.motion.x, sizes.motion.x],
                         _ => [f64::NEG_INFINITY, f64::INFINITY],
@@ -230,7 +230,7 @@ impl Row {
         }
     }
 
-    /// Whether a shape can be one of the law.
+    /// True if a shape is admissible for the law.
     pub fn is_sound(&self, shape: [f64; 4], sizes: &Sizes) -> bool {
         match self.form {
             Form::Parameter(_) => true,
@@ -243,10 +243,10 @@ impl Row {
     }
 }
 
-/// Presliding displacements after a reversal over which friction builds up, by a law that nobody knows.
+/// Presliding displacements over which friction builds up after a reversal, by an unknown law.
 const BUILDS_UP: f64 = 4.0;
 
-/// What a shape is moved in: itself where it is moved by factors, else what its range allows.
+/// Unit in which a shape moves: its own value if by factors, else a part of its range.
 pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {
     let span = if high.is_finite() { high - low } else { 1.0 };
     if log {
@@ -256,16 +256,16 @@ pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
+/// A damper whose force saturates below this fraction of the top speed may be friction that slips softly.
 const LEVELS_OFF: f64 = 1.0;
 
-/// The share of a force that an error of its calibration, or the give of the rig, can take: beyond that the force is another one.
+/// Largest fraction of a force that a calibration error or the rig's give can remove: beyond that it is another force.
 const OF_A_CALIBRATION: f64 = 0.6;
 
-/// A declared spring that is gone may have been a little stiffer.
+/// A declared spring that has vanished may have been a little stiffer.
 const NO_SPRING: f64 = 1.05;
 
-/// The strength of what acts once.
+/// The strength of a law that acts once.
 const ONCE: Bound = Bound {
     low: 0.85,
     high: 1.15,

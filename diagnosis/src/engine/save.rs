@@ -1,4 +1,4 @@
-//! A fit into a model.
+//! Writes a fit into a model.
 
 use crate::laws::specimen::SpecimenFit;
 use crate::model::saved_element::SavedElement;
@@ -6,8 +6,8 @@ use crate::model::{Declared, Model};
 use plant::Channel;
 
 impl SpecimenFit {
-    /// Puts the fit into the specimen's model: parameters that it has or that have moved, and the elements beside them, of
-    /// which each has the name in its place of `owners`.
+    /// Writes the fit into the specimen's model: parameters that it declares or that have moved, and the elements
+    /// beside them, each named by its entry in `owners`.
     pub fn save(&self, owners: &[plant::Effect], model: &mut Model) {
         let Some((places, _)) = model.channel_mut(Channel::Specimen) else {
             return;

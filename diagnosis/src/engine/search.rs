@@ -1,4 +1,4 @@
-//! Sets of laws by the products of their columns, for the [`Beam`].
+//! Sets of laws, fitted by the products of their columns, for the [`Beam`].
 
 use super::beam::{self, Beam, Width};
 use super::gram::{Grams, Tie};
@@ -6,32 +6,32 @@ use super::score::{BLOCKS, Score};
 use crate::numbers::linear::Bound;
 use plant::Family;
 
-/// Declared parameters of a channel.
+/// Number of declared parameters of a channel.
 pub use crate::laws::specimen::DECLARED;
-/// Terms at most in one model.
+/// Largest number of terms in a model.
 pub const MOST_TERMS: usize = 4;
 
-/// A set of laws, and what it leaves on each block, fitted to all.
+/// A set of laws, with its residual squares on each block when fitted to all blocks.
 pub type Scored = beam::Scored<[f64; BLOCKS]>;
 
-/// A law at one shape, with its columns.
+/// A law with one set of shape values, and its columns.
 #[derive(Clone, Debug)]
 pub struct Atom {
     /// The row of the law table.
     pub row: usize,
     /// Its shape.
     pub shape: [f64; 4],
-    /// Its columns, and what their strengths may be.
+    /// Its columns, with the bounds of their strengths.
     pub terms: Vec<(usize, Bound)>,
-    /// The declared parameter that leaves its tolerance with it.
+    /// The declared parameter that may leave its tolerance with it.
     pub frees: Option<usize>,
-    /// What it costs alone, nats.
+    /// Its own price, nats.
     pub price: f64,
-    /// Two of one family cost more.
+    /// Its family: two atoms of one family cost more.
     pub family: Family,
 }
 
-/// What a model costs beside its terms: more than one cause is rarer, and two of one family are rarely two.
+/// Price of a model beyond that of its terms: several causes are rarer, and two of one family are rarely both real.
 pub fn price_of_many(families: &[Family]) -> f64 {
     let n = families.len();
     if n < 2 {
@@ -44,18 +44,18 @@ pub fn price_of_many(families: &[Family]) -> f64 {
     1.5 * ((n - 1) as f64).powf(1.5) + 2.5 * kin as f64
 }
 
-/// Everything that is searched.
+/// Everything that the search covers.
 #[derive(Debug)]
 pub struct Search<'a> {
-    /// Declared columns first.
+    /// Products of all columns, declared ones first.
     pub grams: &'a Grams,
-    /// The laws at their shapes.
+    /// The laws with their shape values.
     pub atoms: &'a [Atom],
-    /// What the declared parameters may be inside their tolerances, and outside.
+    /// Bounds of the declared parameters: held within their tolerances, and freed from them.
     pub declared: [[Bound; 2]; DECLARED],
-    /// What holds them inside.
+    /// Ties that hold them within their tolerances.
     pub ties: Vec<Tie>,
-    /// The measure.
+    /// The score's measure.
     pub score: &'a Score,
 }
 
@@ -71,7 +71,7 @@ impl Search<'_> {
         let ties = self.ties.iter().filter(|t| !frees(t.unknown)).copied();
         let ties: Vec<Tie> = ties.collect();
         let fitted = self.grams.fit(&terms, &ties, self.score, first)?;
-        // A strength of nothing is no term.
+        // A term whose strengths are all zero is not a term.
         let mut at = DECLARED;
         for atom in own() {
             let strengths = &fitted.strengths[at..at + atom.terms.len()];
@@ -89,11 +89,11 @@ impl Search<'_> {
         })
     }
 
-    /// The search, and what the declared model is; `None` where that has no fit.
+    /// The declared model and the search; `None` if the declared model has no fit.
     fn beam(&self) -> Option<(Scored, Beam<'_, [f64; BLOCKS]>)> {
         let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
         let empty = self.scored(Vec::new(), &even)?;
-        // What the fits begin with.
+        // Initial weights of the fits.
         let first = self.score.weights(&empty.fit);
         let beam = Beam {
             laws: self.atoms.iter().map(|a| a.row).collect(),
@@ -105,13 +105,13 @@ impl Search<'_> {
         Some((empty, beam))
     }
 
-    /// Models of one term, one for each law; best first.
+    /// Models of one term, one per law; best first.
     pub fn alone(&self) -> Vec<Scored> {
         self.beam()
             .map_or_else(Vec::new, |(empty, beam)| beam.alone(&empty))
     }
 
-    /// Runs; best first, the empty model among them.
+    /// Runs the search; best first, including the empty model.
     pub fn run(&self) -> Vec<Scored> {
         self.beam()
             .map_or_else(Vec::new, |(empty, beam)| beam.run(empty))

@@ -1,6 +1,6 @@
-//! A model that was chosen, fitted to the last of the noise. A search stops where its score feels no more; intervals are narrower.
+//! Fits a chosen model down to the noise. A search stops where its score no longer improves; intervals need more.
 //!
-//! From here on the effects of the catalogue act on the refitted parameters, as a model file has them.
+//! From here on the catalogue's effects act on the refitted parameters, as in a model file.
 
 use super::bounded::Equations;
 use super::score::{BLOCKS, EPS, LEAVES_NOISE, NU};
@@ -8,33 +8,33 @@ use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::{Freedom, Unknown};
 use crate::numbers::signals::difference;
 
-/// Another step is not worth it that takes less than this of one sample's noise, in squares.
+/// Smallest decrease worth another step, as squares relative to one sample's noise variance.
 const LAST_OF_IT: f64 = 1e-2;
-/// Steps at most.
+/// Largest number of steps.
 const STEPS: usize = 30;
 /// The largest step of a shape, in its own unit.
 const MOST_STEP: f64 = 0.5;
-/// From so many standard deviations on a sample counts less, by Cauchy's weight: what turns at a reversal does so a little sooner or
-/// later in a motion without its noise, and a few samples are off by all of it.
+/// Number of standard deviations from which a sample is given less weight (Cauchy's). With the noise removed from the
+/// motion, what turns at a reversal does so slightly sooner or later, so a few samples are off by its whole size.
 const OFF: f64 = 8.0;
 
-/// What a fit is measured by.
+/// The measure that a fit minimises.
 #[derive(Debug)]
 enum Measure {
-    /// Each sample, by the variance of the noise.
+    /// All samples, relative to the noise variance.
     Samples(f64),
-    /// The score's blocks.
+    /// The weights of the score's blocks.
     Blocks([f64; BLOCKS]),
 }
 
 impl SpecimenData<'_> {
-    /// The fit at its best: by the noise of each sample where it leaves nothing else, by the score's measure where it does.
+    /// The optimal fit: by each sample's noise if nothing else is left, by the score's measure otherwise.
     pub fn settled(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
         let all = self.settled_by(self.as_in_a_file(fit), |_| true);
         self.read_where_it_slides(&all).unwrap_or(all)
     }
 
-    /// What a fit leaves of all samples at its best, squares over the noise's, and the unknowns that it took beside the declared ones.
+    /// Squares that the optimal fit leaves, over the noise's, and its unknowns without held declared parameters.
     pub fn settled_cost(&self, fit: &SpecimenModelFit) -> (f64, usize) {
         let all = self.settled_by(self.as_in_a_file(fit), |_| true);
         let declared = |f: &Freedom| matches!(f.unknown, Unknown::Declared(_));
@@ -44,7 +44,7 @@ impl SpecimenData<'_> {
         (cost, own + freed.count())
     }
 
-    /// The fit with effects that act on its refitted parameters, and once exactly.
+    /// The fit with effects acting on its refitted parameters, and with what acts once at full strength.
     fn as_in_a_file(&self, fit: &SpecimenModelFit) -> SpecimenModelFit {
         let mut here = SpecimenModelFit {
             acts_on: None,
@@ -58,7 +58,7 @@ impl SpecimenData<'_> {
         here
     }
 
-    /// The best that some of its unknowns allow.
+    /// The optimal fit when only some of its unknowns may move.
     pub fn settled_by(
         &self,
         mut here: SpecimenModelFit,
@@ -79,7 +79,7 @@ impl SpecimenData<'_> {
         here
     }
 
-    /// What a fit is measured by from here on.
+    /// The measure that a fit minimises from here on.
     fn measure(&self, fit: &SpecimenModelFit) -> Measure {
         let noise = self.score.noise;
         if fit.evidence.left_rms() < LEAVES_NOISE {
@@ -91,7 +91,7 @@ impl SpecimenData<'_> {
         }))
     }
 
-    /// What a square of each sample weighs beside what a fit leaves.
+    /// Weight of each sample's square.
     fn weights(&self, fit: &SpecimenModelFit, measure: &Measure, residual: &[f64]) -> Vec<f64> {
         let mut all: Vec<f64> = match measure {
             Measure::Samples(noise) => {
@@ -114,7 +114,7 @@ impl SpecimenData<'_> {
         all
     }
 
-    /// Weights of a settled fit's samples, and what it leaves of them.
+    /// Weights of a settled fit's samples, and its residuals.
     pub fn weighed(&self, fit: &SpecimenModelFit) -> (Vec<f64>, Vec<f64>) {
         let residual = difference(self.target(), &self.answered(fit));
         (self.weights(fit, &self.measure(fit), &residual), residual)
@@ -124,7 +124,7 @@ impl SpecimenData<'_> {
         let residual = difference(self.target(), &self.answered(fit));
         let weights = self.weights(fit, measure, &residual);
         let off = |(r, w): (&f64, &f64)| match measure {
-            // Of a sample that is left out nothing counts.
+            // A sample that is left out does not count.
             Measure::Samples(noise) if *w > 0.0 => {
                 OFF * OFF * (r * r / (OFF * OFF * noise)).ln_1p()
             }
@@ -136,7 +136,7 @@ impl SpecimenData<'_> {
         left + pull.map(|p| p * p).sum::<f64>()
     }
 
-    /// One step of all unknowns towards the best, by halves where it would not be one; what it costs then.
+    /// One step of all unknowns towards the optimum, halved until it is an improvement; with the new cost.
     fn settling_step(
         &self,
         here: &SpecimenModelFit,

@@ -1,10 +1,10 @@
-//! Friction is read where it slides for certain.
+//! Reads friction only where it certainly slides.
 //!
-//! After a reversal friction is still building up, by a law that nobody knows (a spring that slips, bristles, a film of
-//! grease): a fit over all samples takes what the assumed law is off there for less friction and more damping, by some
-//! percent and with narrow intervals. Near a reversal the noise of the displacement decides the sign of the speed, too.
-//! So strengths are those of the samples that are far enough from any reversal, and how far that is, is seen from the
-//! strength of the friction itself: it no longer changes when more of the travel is left out.
+//! After a reversal friction is still building up, by an unknown law (a spring that slips, bristles, a film of grease).
+//! A fit over all samples attributes the error of the assumed law to less friction and more damping, by some percent
+//! and with narrow intervals. Near a reversal, noise of the displacement also decides the sign of the speed. So
+//! strengths are read from samples far enough from any reversal. How far is seen from the friction's strength itself:
+//! it no longer changes when more of the travel is left out.
 
 use super::row::Form;
 use super::specimen::{SpecimenData, SpecimenModelFit};
@@ -12,19 +12,19 @@ use super::unknowns::{Freedom, Unknown};
 use crate::laws::specimen::element::Element;
 use plant::Effect;
 
-/// The shortest travel after a reversal that is left out, in yield displacements: a slider that is turned round slides after two.
+/// Shortest travel after a reversal that is left out, in yield displacements: a reversed slider slides after two.
 const SHORTEST: f64 = 4.0;
-/// Each is so many times the one before.
+/// Ratio of each travel to the one before.
 const LONGER: f64 = 1.5;
-/// Share of the travel after a reversal that is left out before one, too: noise moves where it is seen.
+/// Fraction of the travel after a reversal that is also left out before one: noise shifts where it is seen.
 const BEFORE: f64 = 0.25;
-/// Share of the samples that stay at least.
+/// Smallest fraction of the samples that must remain.
 const STAYS: f64 = 0.5;
 
-/// What was read of a strength with some of the samples.
+/// A strength read from some of the samples.
 #[derive(Debug)]
 struct Reading<T> {
-    /// What was fitted.
+    /// The fit.
     fit: T,
     /// The strength.
     strength: f64,
@@ -32,8 +32,8 @@ struct Reading<T> {
     error: f64,
 }
 
-/// The first reading, of those that leave out more and more of the travel, that agrees with all later ones within the scatter of
-/// what lies between; `read` gives a fit, its strength and its error, and `None` where too little is left.
+/// The first reading, for increasing travels left out, that agrees with all later ones within the scatter of the
+/// samples between them; `read` gives a fit, its strength and its error, or `None` if too little is left.
 fn agreeing<T>(yield_mm: f64, read: impl Fn(f64) -> Option<(T, f64, f64)>) -> Option<Reading<T>> {
     let travels = std::iter::successors(Some(SHORTEST * yield_mm), |travel| Some(LONGER * travel));
     let reading = |travel_mm| {
@@ -48,7 +48,7 @@ fn agreeing<T>(yield_mm: f64, read: impl Fn(f64) -> Option<(T, f64, f64)>) -> Op
     let agrees = |i: &usize| {
         let later = &all[i + 1..];
         later.iter().all(|l| {
-            // What comes from a part of the samples scatters about what comes from all by the root of the difference.
+            // A reading from some samples scatters about that from all by the root of the difference.
             let more = (l.error.powi(2) - all[*i].error.powi(2)).max(0.0).sqrt();
             (all[*i].strength - l.strength).abs() <= more.max(LEAST * l.error)
         })
@@ -57,12 +57,12 @@ fn agreeing<T>(yield_mm: f64, read: impl Fn(f64) -> Option<(T, f64, f64)>) -> Op
     Some(all.swap_remove(first))
 }
 
-/// Share of a standard error that is no difference.
+/// Fraction of a standard error that counts as no difference.
 const LEAST: f64 = 0.3;
-/// Readings at most: from a thousandth of the motion to all of it.
+/// Largest number of readings: from a thousandth of the motion to all of it.
 const MOST: usize = 20;
 
-/// 1 where a motion is within a travel after a reversal, or a part of it before one.
+/// 1 where a motion is within a travel after a reversal, or a fraction of it before one.
 fn near(x: &[f64], travel_mm: f64) -> Vec<f64> {
     let mut near = vec![0.0; x.len()];
     for (forth, travel_mm) in [(true, travel_mm), (false, BEFORE * travel_mm)] {
@@ -89,8 +89,8 @@ fn near(x: &[f64], travel_mm: f64) -> Vec<f64> {
 }
 
 impl SpecimenData<'_> {
-    /// The same fit with its strengths from where its friction slides; `None` without friction, and where too little of the motion is
-    /// far from a reversal.
+    /// The fit with strengths from where its friction slides; `None` without friction, or if too little of the motion
+    /// is far from a reversal.
     pub fn read_where_it_slides(&self, fit: &SpecimenModelFit) -> Option<SpecimenModelFit> {
         let rubs = |t: &usize| fit.names[*t] == Effect::CoulombFriction;
         let own: Vec<usize> = (0..fit.terms.len()).filter(rubs).collect();
@@ -106,7 +106,7 @@ impl SpecimenData<'_> {
         if yield_mm == 0.0 {
             return None;
         }
-        // What else slides is the same force as friction far from a reversal: it keeps what all samples say of it.
+        // Far from a reversal, other sliders give the same force as friction: they keep their values from all samples.
         let moves = |f: &Freedom| match f.unknown {
             Unknown::Shape(..) => false,
             Unknown::Strength(t, _) => own.contains(&t) || yields_at(t).is_none(),
@@ -130,7 +130,7 @@ impl SpecimenData<'_> {
         Some(reading.fit)
     }
 
-    /// Samples that are so far from any reversal.
+    /// Marks samples at least this far from any reversal.
     pub fn far_from_reversals(&self, travel_mm: f64) -> Vec<bool> {
         let near = self.stacked(|m| vec![near(&m.track.x, travel_mm)]);
         near[0].iter().map(|share| *share == 0.0).collect()

@@ -1,4 +1,4 @@
-//! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
+//! A specimen's channel for the engine: its training data as columns, and a fitted model of it.
 
 use super::bounded::Equations;
 use super::cutoff;
@@ -18,17 +18,17 @@ use crate::record::rest;
 use plant::Effect;
 use rayon::prelude::*;
 
-/// A law at a shape.
+/// A law with its shape values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
     /// The row of the law table.
     pub row: usize,
-    /// Its shape.
+    /// Its shape values.
     pub shape: [f64; 4],
 }
 
 impl Term {
-    /// Where the search has it.
+    /// The term of a search's atom.
     pub fn of(atom: &Atom) -> Self {
         Self {
             row: atom.row,
@@ -37,27 +37,27 @@ impl Term {
     }
 }
 
-/// A specimen's model at its best.
+/// A fitted model of a specimen.
 #[derive(Clone, Debug)]
 pub struct SpecimenModelFit {
     /// Its terms.
     pub terms: Vec<Term>,
     /// Stiffness, damping, mass, offset.
     pub declared: [f64; DECLARED],
-    /// Strengths of each term.
+    /// The strengths of each term.
     pub strengths: Vec<Vec<f64>>,
     /// The name of each term.
     pub names: Vec<Effect>,
-    /// What speaks for it.
+    /// The evidence for it.
     pub evidence: Evidence,
-    /// Parameters of the specimen that its effects act on; none: those above, as in a model file.
+    /// Parameters of the specimen that its effects act on; `None`: those above, as in a model file.
     pub acts_on: Option<[f64; DECLARED]>,
-    /// Its strengths come from samples that are so far from any reversal, mm; none: from all.
+    /// Its strengths come from samples at least this far from any reversal, mm; `None`: from all.
     pub left_out_mm: Option<f64>,
 }
 
 impl SpecimenModelFit {
-    /// The parameters of the specimen that its effects act on.
+    /// Parameters of the specimen that its effects act on.
     pub fn specimen(&self) -> [f64; DECLARED] {
         self.acts_on.unwrap_or(self.declared)
     }
@@ -68,22 +68,22 @@ impl SpecimenModelFit {
 pub struct SpecimenData<'a> {
     base: &'a Base,
     motions: Vec<Motion>,
-    /// Sizes that everything is measured by.
+    /// Reference sizes for all quantities.
     pub sizes: Sizes,
     /// The law table.
     pub rows: Vec<Row>,
-    /// Samples that are averaged into one.
+    /// Number of samples averaged into one.
     pub every: usize,
-    /// Where the displacement is cut off, Hz.
+    /// Cut-off of the displacement, Hz.
     pub cutoff_hz: f64,
     pub target: Vec<f64>,
     edges: Vec<usize>,
-    /// The measure.
+    /// The score's measure.
     pub score: Score,
 }
 
 impl<'a> SpecimenData<'a> {
-    /// Of records without what the model already has; `None` where a signal is missing or the equations have no solution.
+    /// From records without effects already in the model; `None` if a signal is missing or the equations are singular.
     pub fn new(base: &'a Base, train: &[Recording]) -> Option<Self> {
         let rests = train.iter().all(|r| !rest::spans(r).is_empty());
         let moving: Vec<Recording> = train.iter().map(rest::without).collect();
@@ -135,11 +135,11 @@ impl<'a> SpecimenData<'a> {
         all
     }
 
-    /// What declared parameters may be: within their tolerances, and outside.
+    /// Bounds of the declared parameters: within their tolerances, and freed from them.
     pub fn declared(&self) -> [[Bound; 2]; DECLARED] {
         std::array::from_fn(|i| {
             let within = self.base.within_tolerances(i);
-            // A mass comes on top of what is declared: less of it is noise in a derivative. Of a dashpot another law may take the place.
+            // A mass adds to the declared one: less is noise in a derivative. Another law may replace a dashpot.
             let low = match i {
                 1 => self.base.least(1).min(within.low),
                 2 => within.low,
@@ -153,12 +153,12 @@ impl<'a> SpecimenData<'a> {
         })
     }
 
-    /// The models that the search leads to.
+    /// The models found by the search.
     pub fn searched(&self) -> (Vec<Atom>, Vec<Scored>) {
         self.searched_by(|s: &Search| s.run())
     }
 
-    /// The same of a part of the search.
+    /// The models found by a part of the search.
     pub fn searched_by(&self, run: impl Fn(&Search) -> Vec<Scored>) -> (Vec<Atom>, Vec<Scored>) {
         let places: Vec<(usize, [f64; 4])> = self
             .rows
@@ -166,7 +166,7 @@ impl<'a> SpecimenData<'a> {
             .enumerate()
             .flat_map(|(i, row)| row.grid.iter().map(move |shape| (i, *shape)))
             .collect();
-        // A row that takes a parameter along has the columns of the one that does not.
+        // A row that frees a parameter has the same columns as the row that does not.
         let twin = |(row, shape): (usize, [f64; 4])| {
             let own = |other: &Row| match (&other.form, &self.rows[row].form) {
                 (Form::Element(a), Form::Element(b)) => a == b,
@@ -228,13 +228,13 @@ impl<'a> SpecimenData<'a> {
         (atoms, found)
     }
 
-    /// Columns of a model whose effects act on a specimen of these parameters, declared ones first, with all that a stage among its
-    /// terms makes of them.
+    /// Columns of a model whose effects act on a specimen of these parameters, declared ones first, all passed through
+    /// a stage if its terms have one.
     pub fn columns_on(&self, terms: &[Term], on: &[f64; DECLARED]) -> Vec<Vec<f64>> {
         self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes, on))
     }
 
-    /// Samples of each block.
+    /// The samples of each block.
     pub fn blocks(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.edges.windows(2).map(|e| e[0]..e[1])
     }
@@ -244,7 +244,7 @@ impl<'a> SpecimenData<'a> {
         self.base.tolerance(parameter)
     }
 
-    /// Sizes for effects of a fit.
+    /// Sizes for the effects of a fit.
     pub fn sizes_of(&self, fit: &SpecimenModelFit) -> Sizes {
         self.sizes.on(&fit.specimen())
     }
@@ -261,7 +261,7 @@ impl<'a> SpecimenData<'a> {
         all
     }
 
-    /// What holds the declared parameters of a model that may not leave their tolerances.
+    /// Ties of a model's declared parameters that may not leave their tolerances.
     pub fn ties(&self, freed: impl Fn(usize) -> bool) -> Vec<Tie> {
         let held = (0..DECLARED).filter(|i| !freed(*i));
         held.filter(|i| self.base.tolerance(*i) > 0.0)
@@ -273,7 +273,7 @@ impl<'a> SpecimenData<'a> {
             .collect()
     }
 
-    /// Whether a model lets a declared parameter leave its tolerances.
+    /// True if a model lets a declared parameter leave its tolerances.
     pub fn frees(&self, terms: &[Term], parameter: usize) -> bool {
         terms.iter().any(|t| {
             let row = &self.rows[t.row];
@@ -285,13 +285,13 @@ impl<'a> SpecimenData<'a> {
         matches!(self.rows[term.row].form, Form::Effect(c) if c.stage.is_some())
     }
 
-    /// Products of columns block by block.
+    /// Products of columns, block by block.
     pub fn parts(&self, columns: &[Vec<f64>], target: &[f64]) -> Vec<Equations> {
         let each = self.blocks().map(|b| Equations::of(columns, target, b));
         each.collect()
     }
 
-    /// What a model answers to a record, N; `None` where a signal is missing.
+    /// A model's force for a record, N; `None` if a signal is missing.
     pub fn answer(&self, fit: &SpecimenModelFit, record: &Recording) -> Option<Vec<f64>> {
         let span = UnfilteredSpan::new(record)?;
         let track = span.track(span.past_band_hz(self.cutoff_hz));
@@ -305,7 +305,7 @@ impl<'a> SpecimenData<'a> {
         Some(motion.track.span_of(&y))
     }
 
-    /// What a model answers to the training data as they are searched.
+    /// A model's force for the training data as searched.
     pub fn answered(&self, fit: &SpecimenModelFit) -> Vec<f64> {
         let mut y = vec![0.0; self.target.len()];
         let mut strengths = fit.declared.to_vec();
@@ -315,17 +315,17 @@ impl<'a> SpecimenData<'a> {
         y
     }
 
-    /// What was measured, as it is searched.
+    /// The measured force as searched.
     pub fn target(&self) -> &[f64] {
         &self.target
     }
 
-    /// By how much the force of a fit is late, where it has a term that says so.
+    /// Delay of a fit's force, s, if it has a term for it.
     pub fn late_s(&self, fit: &SpecimenModelFit) -> Option<f64> {
         late_s(&self.rows, &fit.terms)
     }
 
-    /// Whether of the forces of a fit's spring, damping and mass all but one are within the noise.
+    /// True if, of the forces of a fit's spring, damping and mass, all but one together are within the noise.
     pub fn has_only(&self, fit: &SpecimenModelFit, own: usize) -> bool {
         let columns = self.stacked(Motion::declared);
         let mut other = vec![0.0; self.target.len()];
@@ -335,7 +335,7 @@ impl<'a> SpecimenData<'a> {
         dot(&other, &other) <= self.score.noise * other.len() as f64
     }
 
-    /// Declared values.
+    /// The declared values.
     pub fn declared_values(&self) -> [f64; DECLARED] {
         self.base.values
     }
@@ -345,13 +345,13 @@ fn spans(records: &[Recording]) -> Option<Vec<UnfilteredSpan<'_>>> {
     records.iter().map(UnfilteredSpan::new).collect()
 }
 
-/// By how much the force is late, where a term says so.
+/// Delay of the force, s, if a term gives one.
 pub fn late_s(rows: &[Row], terms: &[Term]) -> Option<f64> {
     let stage = |t: &&Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
     terms.iter().find(stage).map(|t| t.shape[0])
 }
 
-/// Columns of a model over a motion, declared ones first; a stage's own is what all others become by it.
+/// Columns of a model over a motion, declared ones first; a stage has no column but delays all others.
 fn model_columns(
     m: &Motion,
     rows: &[Row],

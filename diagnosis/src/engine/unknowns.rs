@@ -1,4 +1,4 @@
-//! What a fit may move: declared parameters, strengths of terms, their shapes; each with what it may be.
+//! The unknowns of a fit: declared parameters, strengths and shapes of terms, with their bounds.
 
 use super::row::unit;
 use super::score::LEAVES_NOISE;
@@ -9,13 +9,13 @@ use crate::numbers::signals::difference_quotient;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// The step that a slope is formed over, relative to the unknown or to its unit.
+/// Step for a slope, relative to the unknown or to its unit.
 const STEP: f64 = 1e-3;
 
-/// Segments whose pulls tell the scatter of what was fitted.
+/// Number of segments whose pulls give the scatter of a fit.
 const SEGMENTS: usize = 24;
 
-/// What segments pull at least, of what noise makes of it: what is left out pulls nothing, and is not grown.
+/// Least pull of segments relative to that of noise: the pull of samples left out is zero, and must not be scaled up.
 const LEAST_PULL: f64 = 0.1;
 
 /// An unknown of a fit.
@@ -23,25 +23,25 @@ const LEAST_PULL: f64 = 0.1;
 pub enum Unknown {
     /// A declared parameter.
     Declared(usize),
-    /// A strength of a term.
+    /// A strength of a term: term and index.
     Strength(usize, usize),
-    /// A shape of a term.
+    /// A shape of a term: term and index.
     Shape(usize, usize),
 }
 
-/// An unknown with what it may be; a shape's ends are asked of its law.
+/// An unknown with its bounds; a shape's limits are checked by its law.
 #[derive(Clone, Copy, Debug)]
 pub struct Freedom {
-    /// Which.
+    /// The unknown.
     pub unknown: Unknown,
-    /// What it may be.
+    /// Its bounds.
     pub bound: Bound,
-    /// What it is measured by.
+    /// Its unit of measure.
     pub unit: f64,
 }
 
 impl Freedom {
-    /// A fit with it moved by one step, and the step.
+    /// A fit with this unknown moved by one step, and the step.
     pub fn moved(&self, fit: &SpecimenModelFit) -> (SpecimenModelFit, f64) {
         let mut other = fit.clone();
         let step = STEP * self.unit;
@@ -49,7 +49,7 @@ impl Freedom {
         (other, step)
     }
 
-    /// Where a fit has it.
+    /// Its place in a fit.
     pub fn place<'a>(&self, fit: &'a mut SpecimenModelFit) -> &'a mut f64 {
         match self.unknown {
             Unknown::Declared(i) => &mut fit.declared[i],
@@ -58,7 +58,7 @@ impl Freedom {
         }
     }
 
-    /// What a fit has there.
+    /// Its value in a fit.
     pub fn value(&self, fit: &SpecimenModelFit) -> f64 {
         match self.unknown {
             Unknown::Declared(i) => fit.declared[i],
@@ -67,7 +67,7 @@ impl Freedom {
         }
     }
 
-    /// Whether a fit has it inside what it may be, and not at an end.
+    /// True if its value in a fit is inside its bounds, not at a limit.
     pub fn is_inside(&self, fit: &SpecimenModelFit) -> bool {
         let (b, value) = (self.bound, self.value(fit));
         let room = 1e-6 * (b.high - b.low).min(value.abs());
@@ -76,7 +76,7 @@ impl Freedom {
 }
 
 impl SpecimenData<'_> {
-    /// Everything that a fit may move.
+    /// All unknowns of a fit.
     pub fn freedoms(&self, fit: &SpecimenModelFit) -> Vec<Freedom> {
         let bounds = self.bounds(&fit.terms);
         let of = |unknown: Unknown, bound: Bound, value: f64| Freedom {
@@ -90,7 +90,7 @@ impl SpecimenData<'_> {
         let mut at = DECLARED;
         for (t, (term, strengths)) in fit.terms.iter().zip(&fit.strengths).enumerate() {
             for (k, s) in strengths.iter().enumerate() {
-                // What acts once does so exactly: the search lets it be a little more or less, to be quick.
+                // What acts once does so exactly: the search only varies it a little, for speed.
                 if *s != 0.0 && !bounds[at + k].is_once() {
                     all.push(of(Unknown::Strength(t, k), bounds[at + k], *s));
                 }
@@ -108,7 +108,7 @@ impl SpecimenData<'_> {
         all
     }
 
-    /// How the answer to the training data changes with each of them, for one of its own units.
+    /// Change of the response to the training data with each unknown, per own unit.
     pub fn slopes_of(&self, fit: &SpecimenModelFit, freedoms: &[Freedom]) -> Vec<Vec<f64>> {
         let here = self.answered(fit);
         let slope = |f: &Freedom| {
@@ -118,7 +118,7 @@ impl SpecimenData<'_> {
         freedoms.par_iter().map(slope).collect()
     }
 
-    /// How the unknowns vary together, from how far segments of the record pull the fit apart.
+    /// Covariance of the unknowns, from how far segments of the record pull the fit apart.
     pub fn covariance(&self, fit: &SpecimenModelFit, unknowns: &[Freedom]) -> Option<DMatrix<f64>> {
         let n = unknowns.len();
         if n == 0 {
@@ -149,8 +149,8 @@ impl SpecimenData<'_> {
             pulls += &pull * pull.transpose();
         }
         if fit.evidence.left_rms() < LEAVES_NOISE {
-            // At least what the noise alone makes: a few segments can agree by chance. Rows and columns grow together, so that what
-            // cannot be told apart stays so.
+            // At least that of the noise alone: a few segments can agree by chance. Rows and columns scale together, so
+            // that what cannot be told apart stays so.
             let grow = |i: usize| pulls[(i, i)].clamp(LEAST_PULL, 1.0).sqrt().recip();
             let grow = DVector::from_fn(n, |i, _| grow(i));
             pulls = DMatrix::from_fn(n, n, |i, j| pulls[(i, j)] * grow[i] * grow[j]);

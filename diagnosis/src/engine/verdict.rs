@@ -1,53 +1,53 @@
-//! The decision on a posterior. What may follow it stands in its order in `diagnose.rs`, and names nothing new: it takes a verdict back,
-//! widens it to a set, or lays what has no name to the noise.
+//! The decision on a posterior. `diagnose.rs` lists, in order, what may follow it. Those steps add no names: they
+//! withdraw a verdict, widen it to a set, or attribute to noise what has no name.
 
 use super::posterior::{Candidate, Name, Posterior};
 use plant::{Effect, Family};
 
-/// Structure below the first share of the noise is nothing. Where no rest tells the noise, below the second, too, unless a model
-/// speaks against it.
+/// Structure below the first fraction of the noise is nothing. If no rest determines the noise, so is structure below
+/// the second, unless a model contradicts it.
 pub const NOTHING: [f64; 2] = [0.42, 0.84];
-/// By so much, nats: half of the squares.
+/// Evidence that counts as contradiction, nats: half of the squares.
 pub const SPEAKS: f64 = 5.5;
-/// Below the first share, too, where every sample says so: by so much, nats.
+/// Evidence that contradicts even below the first fraction, nats: only every sample can give so much.
 pub const SHOUTS: f64 = 9.0;
-/// A name is given that is at least so probable.
+/// Lowest probability at which a name is given.
 pub const SURE: f64 = 0.72;
-/// A set holds the cause with at least this probability.
+/// Lowest probability with which a set contains the cause.
 pub const SET: f64 = 0.9;
-/// The model of sure names alone stands where another that has more is better by less than this, nats: three fifths of the squares.
+/// The model of sure names alone is kept unless a larger one is better by this, nats: three fifths of the squares.
 pub const LACKS: f64 = 4.0;
-/// What stands beside sure names with at least this probability.
+/// Lowest probability at which a further name is reported with sure names.
 pub const RIVALS: f64 = 0.05;
-/// What may stand in the place of a sure name with at least this probability is said.
+/// Lowest probability at which a rival of a sure name is reported.
 pub const RIVAL: f64 = 0.01;
-/// The share of what free functions take, in the logarithm of the squares, that a name must take to be given beside what has none.
+/// Fraction of the free functions' gain, in log squares, that a name given beside an unnamed part must achieve.
 pub const PLAIN: f64 = 0.75;
-/// A set of more names says nothing.
+/// Largest set of names that still says something.
 pub const LARGEST_SET: usize = 5;
-/// Where a model leaves more than this share of the noise, a law that is not in the table may be the cause: of names that were given
-/// for sure, all were right below it and four fifths above (a study on 200 records of two authors).
+/// If a model leaves more than this fraction of the noise, a law not in the table may be the cause: of names given as
+/// sure, all were right below it and four fifths above (a study on 200 records of two authors).
 pub const UNEXPLAINED: f64 = 0.45;
-/// The probability that such a law is the cause, below and above. No sample is large enough to promise less than the first.
+/// Probability that such a law is the cause, below and above. No sample is large enough to promise less than the first.
 pub const NOT_IN_THE_TABLE: [f64; 2] = [0.04, 0.2];
 
 /// Names, each with its probability, the likeliest first.
 pub type Probabilities<N = Effect> = Vec<(N, f64)>;
 
-/// Names without which nothing is said, taken as a whole.
+/// Names that are given as sure, together.
 #[derive(Clone, Debug)]
 pub struct Named<M, N = Effect> {
-    /// The likeliest model that has them.
+    /// The likeliest model that contains them.
     pub model: Candidate<M, N>,
     /// The names, each with its probability.
     pub names: Probabilities<N>,
-    /// Of each, what may be there in its place.
+    /// For each name, its possible replacements.
     pub rivals: Vec<Probabilities<N>>,
-    /// One of these stands beside them, too.
+    /// One of these is present in addition to them.
     pub beside: Probabilities<N>,
-    /// They are not all: something else is there, with a name or without.
+    /// True if they are not everything: something else is present, named or not.
     pub more: bool,
-    /// They alone do most of what the model does; else what is open beside them is the larger part.
+    /// True if they alone do most of what the model does; else the larger part is still open.
     pub lead: bool,
 }
 
@@ -56,15 +56,15 @@ pub struct Named<M, N = Effect> {
 pub enum Said<M, N = Effect> {
     /// Nothing is missing.
     Nothing,
-    /// These names are in it.
+    /// These names are in the channel.
     Names(Named<M, N>),
-    /// One of these is in it.
+    /// One of these is in the channel.
     Set(Candidate<M, N>, Probabilities<N>),
-    /// Something is, and no name can be given; the likeliest one's model.
+    /// Something is missing, but no name can be given; with the likeliest named model.
     Unknown(Option<Candidate<M, N>>),
 }
 
-/// What a posterior allows to be said. What counts as nothing, over the noise: in any case, and where no model speaks against it.
+/// The verdict that a posterior allows. `nothing`: limits over the noise, in any case and without contradiction.
 pub fn verdict<M: Clone, N: Name>(posterior: &Posterior<M, N>, nothing: [f64; 2]) -> Said<M, N> {
     if posterior
         .declared()
@@ -77,7 +77,7 @@ pub fn verdict<M: Clone, N: Name>(posterior: &Posterior<M, N>, nothing: [f64; 2]
     if let Some(said) = said {
         return said;
     }
-    // Free functions do better than any name, and a plain name does nearly all that they do.
+    // Free functions do better than any name, but a plain name achieves nearly as much.
     let named = posterior.named();
     let likeliest = named
         .models
@@ -107,7 +107,7 @@ fn is_nothing<M: Clone, N: Name>(
     left < sure && by < SHOUTS || left < most && by < SPEAKS
 }
 
-/// Names that are sure, with the model that has them.
+/// The sure names, with the model that contains them.
 fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     let mut names = posterior.names();
     names.retain(|n| n.1 >= SURE);
@@ -118,7 +118,7 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
         return None;
     }
     let best = all().next()?;
-    // The model of exactly these names, unless it lacks what is there beside them.
+    // The model of exactly these names, unless it lacks what is present along with them.
     let exact = all().find(|c| c.names.len() == only.len());
     let near = |c: &&Candidate<M, N>| best.evidence.score() - c.evidence.score() < LACKS;
     let lead = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
@@ -138,7 +138,7 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     }))
 }
 
-/// What may stand in the place of a name, with a probability that is worth a word.
+/// Possible replacements of a name that are probable enough to report.
 fn rivals<M: Clone, N: Name>(
     posterior: &Posterior<M, N>,
     name: N,
@@ -150,7 +150,7 @@ fn rivals<M: Clone, N: Name>(
     rivals
 }
 
-/// The smallest set of names one of which is in the rig with enough probability; else those of a family that is sure.
+/// The smallest set of names of which one is probable enough to be in the rig; else the names of a family that is sure.
 fn set<M: Clone, N: Name>(
     posterior: &Posterior<M, N>,
 ) -> Option<(Candidate<M, N>, Probabilities<N>)> {
@@ -168,7 +168,7 @@ fn set<M: Clone, N: Name>(
     Some((model.clone(), set))
 }
 
-/// Names of one family, where the family is sure and none of its names is.
+/// The names of a family that is sure although none of its names is.
 fn plain_family<M: Clone, N: Name>(
     posterior: &Posterior<M, N>,
     names: &[(N, f64)],

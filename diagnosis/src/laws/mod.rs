@@ -1,5 +1,5 @@
-//! What may be in a rig, as equations: elements of a specimen over its motion, parts of an actuator's path, and the library of effects
-//! that a model file has.
+//! The equations of what a rig may contain: elements of a specimen over its motion, parts of an actuator's path, and
+//! the library of effects for model files.
 
 pub mod drivetrain;
 pub mod library;

@@ -1,4 +1,4 @@
-//! What is still possible after a diagnosis, each as a whole model.
+//! What remains possible after a diagnosis, each as a whole model.
 
 use crate::engine;
 use crate::model::Model;
@@ -6,24 +6,24 @@ use crate::model::answer::{ChannelAnswer, Verdict};
 use crate::record::recording::Recording;
 use plant::{Effect, Family};
 
-/// A model that is still possible.
+/// A model that remains possible.
 #[derive(Clone, Debug)]
 pub struct Cause {
-    /// What it has that the declared model lacks; none: nothing.
+    /// What it has and the declared model lacks; `None`: nothing.
     pub name: Option<Effect>,
-    /// How probable it is, where the diagnosis says so.
+    /// Its probability, if the diagnosis gives one.
     pub probability: Option<f64>,
     /// The whole model.
     pub model: Model,
 }
 
-/// Where nothing can be vouched for, so many of the nearest names are told apart.
+/// Number of nearest names to tell apart if no name could be confirmed.
 const NEAREST: usize = 4;
-/// What leaves more than this many times the rms of the best is none of the nearest.
+/// Largest rms residual of a nearest name, relative to the best.
 const FAR: f64 = 1.5;
 
-/// The models between which the answer of a channel leaves the choice, the preferred one first; one alone where it leaves
-/// none.
+/// The models between which a channel's answer leaves the choice open, the preferred one first; a single one if the
+/// choice is not open.
 pub fn causes(
     declared: &Model,
     improved: &Model,
@@ -51,9 +51,9 @@ pub fn causes(
             std::iter::once(preferred).chain(rivals).collect()
         }
         Verdict::Partial | Verdict::Unknown => {
-            // What is missing still, or at all: the nearest of each family.
+            // Candidates for what is still missing: the nearest of each family.
             let known: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
-            // A line in the mains' band is no matter of the motion.
+            // A line in the mains band does not depend on the motion.
             let wanted = |name: Effect| {
                 !known.contains(&name) && name.entry().family != Family::Interference
             };

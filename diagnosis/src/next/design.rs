@@ -1,4 +1,4 @@
-//! One channel as a design sees it: what is possible, what the records have already told of it, and what a motion would
+//! A channel in the design of a test: what is possible, what the records already tell about it, and what a motion would
 //! tell.
 
 use super::causes::Cause;
@@ -12,38 +12,38 @@ use crate::record::spectrum;
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
 
-/// So many neighbouring samples of what a model leaves count as one: it is hardly ever white.
+/// Number of neighbouring residual samples that count as one: residuals are hardly ever white.
 pub const COLOUR: f64 = 10.0;
-/// Samples of the records that tell how well the numbers are known.
+/// Number of the records' samples used to find how well the numbers are known.
 const SAMPLES: usize = 4000;
 
 /// A channel.
 #[derive(Debug)]
 pub struct ChannelDesign {
-    /// Which.
+    /// The channel.
     pub channel: Channel,
-    /// What is possible, the preferred one first.
+    /// The possible causes, the preferred one first.
     pub causes: Vec<Cause>,
-    /// Their numbers.
+    /// Their free numbers.
     pub numbers: Vec<Vec<ModelNumber>>,
-    /// How well those are known from the records: the inverse of their covariance, in spreads.
+    /// Information about the numbers from the records: the inverse of their covariance, in spreads.
     known: Vec<DMatrix<f64>>,
-    /// rms of what the model leaves.
+    /// Rms residual of the model.
     pub left_rms: f64,
 }
 
-/// What a motion tells of a channel: products of differences and slopes, which add up from phase to phase.
+/// Information from a motion about a channel: products of differences and slopes, which add up from phase to phase.
 #[derive(Clone, Debug)]
 pub struct Information {
     samples: f64,
-    /// Of each cause: slopes with slopes.
+    /// For each cause: products of slopes with slopes.
     grams: Vec<DMatrix<f64>>,
-    /// Of each pair: squares of the difference, and the difference with the slopes of the second.
+    /// For each pair: squares of the difference, and products of the difference with the slopes of the second.
     pairs: Vec<(usize, usize, f64, DVector<f64>)>,
 }
 
 impl Information {
-    /// Both motions together.
+    /// The information from both motions.
     pub fn and(&self, other: &Self) -> Self {
         let mut sum = self.clone();
         sum.samples += other.samples;
@@ -59,7 +59,7 @@ impl Information {
 }
 
 impl ChannelDesign {
-    /// With what `train` has told; `None` where a signal is missing.
+    /// With the information from `train`; `None` if a signal is missing.
     pub fn new(
         channel: Channel,
         causes: Vec<Cause>,
@@ -107,13 +107,13 @@ impl ChannelDesign {
         Some(design)
     }
 
-    /// What each cause answers to a motion.
+    /// Response of each cause to a motion.
     pub fn answers(&self, planned: &Planned<'_>) -> Option<Vec<Vec<f64>>> {
         let answer = |c: &Cause| answer(&c.model, self.channel, planned);
         self.causes.iter().map(answer).collect()
     }
 
-    /// What a motion tells, of every `every`-th sample; `None` where an answer is missing or NaN.
+    /// Information from a motion, using every `every`-th sample; `None` if a response is missing or NaN.
     pub fn information(&self, planned: &Planned<'_>, every: usize) -> Option<Information> {
         let answers = self.answers(planned)?;
         if answers.iter().flatten().any(|y| !y.is_finite()) {
@@ -147,8 +147,8 @@ impl ChannelDesign {
         })
     }
 
-    /// The rms by which two causes differ where the second may move its numbers as far as the records let it, over what
-    /// the model leaves: of each pair the smaller of both ways.
+    /// The rms difference between two causes if the second may move its numbers as far as the records allow, relative
+    /// to the model's residual: for each pair the smaller of both directions.
     pub fn separations(&self, information: &Information) -> Vec<(usize, usize, f64)> {
         let scale = COLOUR * self.left_rms * self.left_rms;
         let one_way = |i: usize, j: usize| {
@@ -165,7 +165,7 @@ impl ChannelDesign {
             .collect()
     }
 
-    /// Standard deviations of the preferred cause's numbers, in spreads, as the records leave them and with a motion more.
+    /// Standard deviations of the preferred cause's numbers, in spreads, from the records and perhaps a motion more.
     pub fn deviations(&self, information: Option<&Information>) -> Vec<f64> {
         let mut known = self.known[0].clone();
         if let Some(information) = information {
@@ -179,7 +179,7 @@ impl ChannelDesign {
             .collect()
     }
 
-    /// How much a motion is worth in a test of `samples`: pairs come apart, or, where nothing rivals, numbers become known.
+    /// Value of a motion in a test of `samples`: it separates pairs, or, without rivals, narrows the numbers.
     pub fn worth(&self, information: &Information, samples: f64) -> f64 {
         if self.causes.len() < 2 {
             let (before, after) = (self.deviations(None), self.deviations(Some(information)));

@@ -1,8 +1,8 @@
-//! The next test: a command inside the rig's limits over which what is still possible differs most.
+//! The next test: a command within the rig's limits that best separates the causes that remain possible.
 //!
-//! The steps of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`test_limits`] (what the rig may do),
-//! [`phase`] (motions to choose from), [`design`] (what a motion tells: how far two models stay apart when each may still
-//! move its numbers as far as the records let it), and the choice below, phase by phase.
+//! The steps of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`test_limits`] (what the
+//! rig may do), [`phase`] (motions to choose from), [`design`] (what a motion tells: how far two models stay apart when
+//! each may still move its numbers as far as the records allow), and the choice below, phase by phase.
 
 mod causes;
 mod design;
@@ -117,31 +117,31 @@ impl Next {
     }
 }
 
-/// Nothing is planned above this, Hz, nor above a twentieth of the record's rate: no servo-hydraulic rig follows.
+/// Highest planned frequency, Hz, and at most a twentieth of the record's rate: no servo-hydraulic rig follows more.
 const HIGHEST_HZ: f64 = 15.0;
-/// Samples in a cycle of the highest frequency.
+/// Samples per cycle of the highest frequency.
 const A_CYCLE: f64 = 40.0;
-/// Rest before and after the motion, s: it tells the noise.
+/// Rest before and after the motion, s: it determines the noise.
 const REST_S: f64 = 2.0;
-/// Shortest and longest test, s, its rests apart.
+/// Shortest and longest test, s, without its rests.
 const SECONDS: [f64; 2] = [12.0, 60.0];
-/// Phases at most.
+/// Largest number of phases.
 const PHASES: usize = 6;
 /// Rest between two phases, s.
 const BETWEEN_S: f64 = 0.5;
-/// A phase that is worth less than this share of what there is already is left out.
+/// A phase that adds less than this fraction of the present value is omitted.
 const WORTH: f64 = 0.02;
-/// Share of the top speed at which a test goes to its middle.
+/// Fraction of the top speed at which a test moves to its middle.
 const GOING: f64 = 0.2;
 
-/// What a phase tells of each channel.
+/// Information from a phase about each channel.
 struct PhaseCandidate {
     played: Played,
     information: Vec<Information>,
 }
 
-/// Why no test is proposed, in one sentence: all that `diagnosis` has left open is made by something outside its channels. `None`
-/// where a test may tell something.
+/// Why no test is proposed, in one sentence: everything that `diagnosis` leaves open is caused by something outside its
+/// channels. `None` if a test may help.
 pub fn why_no_test(diagnosis: &Diagnosis) -> Option<String> {
     let all = || diagnosis.channels.iter();
     let beyond: Vec<&str> = all()
@@ -157,11 +157,11 @@ pub fn why_no_test(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// Designs the test that tells most about what `diagnosis` of `train` with `model` has left open. `test` is the held-out
-/// data: only its span is looked at. A channel of which no test tells more takes no part.
+/// Designs the test that tells most about what `diagnosis` of `train` with `model` leaves open. `test` is the held-out
+/// data: only its span is used. A channel about which no test can tell more is ignored.
 ///
 /// # Errors
-/// Records in which nothing moves; limits inside which no phase fits; nothing that a test would tell ([`why_no_test`]).
+/// Records in which nothing moves; limits within which no phase fits; nothing that a test could tell ([`why_no_test`]).
 pub fn next(
     model: &Model,
     diagnosis: &Diagnosis,
@@ -187,7 +187,7 @@ pub fn next(
             ))
         })
         .collect();
-    // Where something is open, only that counts.
+    // If something is open, only that counts.
     let is_open = views.iter().any(|(v, a)| a.is_open() && v.causes.len() > 1);
     let counts = |v: &ChannelDesign| !is_open || v.causes.len() > 1;
     let record_h = train.first().map_or(1e-3, Recording::interval_s);
@@ -241,7 +241,7 @@ fn n_per_mm(records: &[Recording]) -> f64 {
     records.iter().map(ratio).fold(0.0, f64::max)
 }
 
-/// Phase by phase what adds most.
+/// Adds the most valuable phase, one at a time.
 fn choose(
     views: &[(ChannelDesign, &ChannelAnswer)],
     counts: impl Fn(&ChannelDesign) -> bool,
@@ -288,7 +288,7 @@ fn choose(
     chosen
 }
 
-/// Phases one after the other around the middle, from zero and back to it where zero is inside, with rests.
+/// Phases in sequence around the middle, starting and ending at zero if zero is within the limits, with rests.
 fn joined(limits: &TestLimits, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f64>) {
     let middle = limits.middle_mm;
     let from = if middle.abs() <= limits.half_mm {
@@ -329,7 +329,7 @@ fn joined(limits: &TestLimits, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f6
     (phases, command)
 }
 
-/// What a command is played on, as far as is known.
+/// The rig on which a command is played, as far as it is known.
 struct SimulatedRig<'a> {
     improved: &'a Model,
     views: &'a [(ChannelDesign, &'a ChannelAnswer)],
@@ -339,7 +339,7 @@ struct SimulatedRig<'a> {
 }
 
 impl SimulatedRig<'_> {
-    /// The displacement that a command leads to, and the force on the way, as far as there are models of them.
+    /// The displacement and the force that a command causes, as far as there are models of them.
     fn played(&self, command: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
         let x = predict::answer(
             self.improved,
@@ -360,7 +360,7 @@ impl SimulatedRig<'_> {
         }
     }
 
-    /// What a phase tells; `None` where a force would leave the limits.
+    /// Information from a phase; `None` if a force would exceed the limits.
     fn offer(&self, played: Played) -> Option<PhaseCandidate> {
         let command: Vec<f64> = played.1.iter().map(|x| x + self.limits.middle_mm).collect();
         let (x, force) = self.played(&command);
@@ -447,7 +447,7 @@ impl SimulatedRig<'_> {
     }
 }
 
-/// Integral of the answer over the travel.
+/// Integral of the response over the travel.
 fn area(x: &[f64], y: &[f64]) -> f64 {
     let steps = x.windows(2).zip(y.windows(2));
     steps

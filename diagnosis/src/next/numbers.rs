@@ -1,4 +1,4 @@
-//! The numbers of a model that a fit may move, and how its answer changes with them.
+//! The numbers of a model that a fit may move, and the change of its response with them.
 
 use super::predict::{Planned, answer};
 use crate::criteria::REACH;
@@ -14,13 +14,13 @@ pub struct ModelNumber {
     pub name: String,
     /// Its value.
     pub value: f64,
-    /// How far it may be off as far as is known without any record: three tolerances, or itself.
+    /// Its possible error without any record: three tolerances, or its own size.
     pub spread: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 enum Which {
-    /// One of the channel's four.
+    /// One of the channel's four declared parameters.
     Declared(usize),
     /// An effect's parameter.
     Effect(usize, String),
@@ -30,10 +30,10 @@ enum Which {
     Shape(usize, usize),
 }
 
-/// Step of a derivative, as a share of a number's spread.
+/// Step of a derivative, as a fraction of a number's spread.
 const STEP: f64 = 0.02;
 
-/// The numbers of a channel; what `before` had with the same value and without a tolerance is not one of them.
+/// The numbers of a channel, except those that `before` had with the same value and without a tolerance.
 pub fn numbers(model: &Model, before: &Model, channel: Channel) -> Vec<ModelNumber> {
     let Some(own) = model.channel(channel) else {
         return Vec::new();
@@ -119,7 +119,7 @@ fn element(model: &mut Model, i: usize) -> Option<&mut crate::model::saved_eleme
     model.specimen.as_mut()?.elements.get_mut(i)
 }
 
-/// How the answer changes with each number, a column each, for one spread of the number.
+/// Change of the response with each number, a column each, per spread of the number.
 pub fn slopes(
     model: &Model,
     channel: Channel,

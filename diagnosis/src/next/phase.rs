@@ -1,4 +1,4 @@
-//! What a test is put together from: motions around a middle that begin and end at rest there.
+//! The building blocks of a test: motions around a middle that begin and end there at rest.
 
 use super::test_limits::TestLimits;
 use schemars::JsonSchema;
@@ -52,19 +52,19 @@ pub struct Phase {
     pub seconds: f64,
 }
 
-/// Amplitudes that are tried, as shares of the room.
+/// Amplitudes to try, as fractions of the room.
 const AMPLITUDES: [f64; 4] = [0.06, 0.2, 0.5, 0.95];
-/// Top speeds that are tried, as shares of the limit.
+/// Top speeds to try, as fractions of the limit.
 const SPEEDS: [f64; 4] = [0.02, 0.1, 0.35, 0.95];
-/// An envelope that rises and falls adds to the speed of a sine.
+/// Factor on a sine's speed by its rising and falling envelope.
 const ENVELOPE: f64 = 1.12;
-/// Full cycles of a sine; it rises over one more and falls over another.
+/// Full cycles of a sine; it rises over one additional cycle and falls over another.
 const CYCLES: f64 = 2.0;
 /// Stop at the end of a ramp, s.
 const STOP_S: f64 = 1.0;
 /// Shortest and longest phase, s.
 const SECONDS: [f64; 2] = [0.4, 24.0];
-/// Lowest frequency of a chirp, as a share of the highest.
+/// Lowest frequency of a chirp, as a fraction of the highest.
 const CHIRP: f64 = 0.05;
 /// Length of a chirp, s.
 const CHIRP_S: f64 = 10.0;
@@ -81,7 +81,7 @@ pub fn rest(seconds: f64, interval_s: f64) -> Played {
     )
 }
 
-/// A smooth way from one place to another.
+/// A smooth passage from one position to another.
 pub fn passage(from_mm: f64, to_mm: f64, speed_mm_per_s: f64, interval_s: f64) -> Vec<f64> {
     let way = to_mm - from_mm;
     let seconds = 1.6 * way.abs() / speed_mm_per_s;
@@ -90,7 +90,7 @@ pub fn passage(from_mm: f64, to_mm: f64, speed_mm_per_s: f64, interval_s: f64) -
     (1..=n).map(|i| from_mm + way * part(i)).collect()
 }
 
-/// Everything that fits into a room, none above a frequency.
+/// Everything that fits into a room, up to a highest frequency.
 pub fn all(test_limits: &TestLimits, highest_hz: f64, interval_s: f64) -> Vec<Played> {
     let (x, v) = (test_limits.half_mm, test_limits.velocity_mm_per_s);
     let mut all: Vec<Played> = Vec::new();
@@ -115,7 +115,7 @@ pub fn all(test_limits: &TestLimits, highest_hz: f64, interval_s: f64) -> Vec<Pl
                 add(Form::Turns, 0.0, turns(&way.map(|w| w * a)));
             }
         }
-        // As high as the speed lets it go.
+        // The highest frequency that the speed allows.
         let hz = (0.95 * v / (TAU * a)).min(highest_hz);
         if hz > 0.5 {
             add(Form::Chirp, hz, chirp(a, hz, interval_s));
@@ -143,7 +143,7 @@ fn phase(form: Form, frequency_hz: f64, middle: f64, command: &[f64], interval_s
     }
 }
 
-/// From 0 to 1 and back to 0, over `rise` of the whole at either end.
+/// From 0 to 1 and back to 0, with `rise` of the whole at either end.
 fn envelope(part: f64, rise: f64) -> f64 {
     let near = (part.min(1.0 - part) / rise).clamp(0.0, 1.0);
     0.5 - 0.5 * (0.5 * TAU * near).cos()
@@ -169,7 +169,7 @@ fn one_sided(a: f64, hz: f64, h: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Through places at a constant speed, with stops; corners are rounded over `corner_s`.
+/// Through positions at a constant speed, with stops; corners are rounded over `corner_s`.
 fn ramps(places: &[f64], v: f64, stop_s: f64, corner_s: f64, h: f64) -> Vec<f64> {
     let stop = ((stop_s + corner_s) / h) as usize;
     let mut sharp = vec![places[0]; stop + 1];

@@ -1,4 +1,4 @@
-//! What a model answers to a planned motion.
+//! A model's response to a planned motion.
 
 use crate::model::Model;
 use crate::model::base::Base;
@@ -6,23 +6,23 @@ use crate::prepare::problem::Problem;
 use crate::record::recording::Recording;
 use plant::Channel;
 
-/// A motion that is planned, or that was.
+/// A planned motion, or a recorded one.
 #[derive(Clone, Copy, Debug)]
 pub struct Planned<'a> {
     /// Sampling interval, s.
     pub interval_s: f64,
     /// Command or displacement, mm.
     pub input: &'a [f64],
-    /// Force on the actuator, N, where it is known.
+    /// Force on the actuator, N, if known.
     pub force: Option<&'a [f64]>,
     /// Largest force over largest displacement of the records, N/mm: for a specimen without a stiffness of its own.
     pub n_per_mm: f64,
 }
 
-/// The answer of one channel, mm or N; `None` where the model has no such channel.
+/// Response of one channel, mm or N; `None` if the model has no such channel.
 pub fn answer(model: &Model, channel: Channel, planned: &Planned<'_>) -> Option<Vec<f64>> {
     let mut base = Base::of(model, channel)?;
-    // A planned motion has no noise that would have to be cut off.
+    // A planned motion has no noise to be cut off.
     let elements = base.elements.iter_mut();
     elements.for_each(|e| e.cutoff_hz = None);
     let h = planned.interval_s;

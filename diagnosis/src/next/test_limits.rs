@@ -1,4 +1,4 @@
-//! What the next test may use of the rig.
+//! The rig's limits for the next test.
 
 use crate::model::Model;
 use crate::record::recording::Recording;
@@ -37,11 +37,11 @@ pub struct TestLimits {
     pub force_from: Origin,
 }
 
-/// The largest predicted force may be above that of the records by this: it is a prediction.
+/// Allowed ratio of the largest predicted force to that of the records: it is a prediction.
 const FORCE_ROOM: f64 = 1.05;
 
 impl TestLimits {
-    /// The declared limits, else what the records have shown that the rig can do.
+    /// The declared limits, or what the records show that the rig can do.
     ///
     /// # Errors
     /// Records in which nothing moves.
@@ -76,7 +76,7 @@ impl TestLimits {
             Some(_) => Origin::Declared,
             None => Origin::Record,
         };
-        // A motion about zero is about zero.
+        // If the motion is roughly about zero, take zero as its middle.
         let middle = 0.5 * (high + low);
         let centred = limits.displacement_mm.is_some() || middle.abs() < 0.2 * own;
         let far = if centred { middle.abs() } else { 0.0 };
@@ -96,7 +96,7 @@ impl TestLimits {
         })
     }
 
-    /// Whether a force, N, is inside.
+    /// True if a force, N, is within the limits.
     pub fn holds(&self, force: &[f64]) -> bool {
         let most = self.force_n.unwrap_or(f64::INFINITY);
         force.iter().all(|f| f.abs() <= most)

@@ -1,18 +1,18 @@
-//! How much of an output a linear model of any order can make of an input: the coherence of the two (Bendat and Piersol,
-//! Random Data, chapter 6).
+//! The part of an output that a linear model of any order can derive from an input: the coherence of the two (Bendat
+//! and Piersol, Random Data, chapter 6).
 
 use fourier::Complex;
 
-/// Hann windows that overlap by half.
+/// Number of Hann windows, overlapping by half.
 const WINDOWS: usize = 16;
-/// Of windows that overlap by half, so many count as if they were apart.
+/// Effective fraction of independent windows, when overlapping by half.
 const APART: f64 = 0.95;
 
-/// The share of the output's squares; `None` where the record is too short. What rings longer than a window, a
-/// seventeenth of twice the record, counts as if it came from elsewhere.
+/// The fraction of the output's squares; `None` if the record is too short. A response that rings longer than a window,
+/// a seventeenth of twice the record, counts as if it came from elsewhere.
 pub fn linear_share(input: &[f64], output: &[f64]) -> Option<f64> {
     let spectra = fourier::cross_spectra(input, output, WINDOWS)?;
-    // The mean squared coherence of signals that have nothing to do with each other.
+    // The mean squared coherence of unrelated signals.
     let by_chance = 1.0 / (APART * spectra.windows as f64);
     let of = |(uu, yy, uy): &(f64, f64, Complex<f64>)| {
         let seen = uy.norm_sqr() / (uu * yy).max(f64::MIN_POSITIVE);
@@ -47,7 +47,7 @@ mod tests {
         assert!(share(&other) < 0.03, "{}", share(&other));
         // White noise of the filtered signal's power: 1 / (1 - 0.8^2) = 1 / 0.36.
         let mixed: Vec<f64> = y.iter().zip(&other).map(|(y, o)| y + o / 0.6).collect();
-        // The filter's power is where it is larger than the noise: the share is not a half, but near it.
+        // The filter's power lies where it exceeds the noise: the fraction is near a half, but not equal.
         assert!((share(&mixed) - 0.5).abs() < 0.05, "{}", share(&mixed));
         assert_eq!(linear_share(&u[..200], &y[..200]), None);
     }

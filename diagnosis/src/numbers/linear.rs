@@ -1,20 +1,20 @@
-//! Least squares with bounds and with what is known beforehand, for a handful of unknowns.
+//! Least squares with bounds and prior knowledge, for a handful of unknowns.
 
 use crate::numbers::signals::add_scaled;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Normal equations of a least squares problem.
+/// Normal equations of a least-squares problem.
 #[derive(Clone, Debug)]
 pub struct Normal {
-    /// `A^T A` and the precision of what is known beforehand.
+    /// `A^T A` plus the precision of prior knowledge.
     pub matrix: DMatrix<f64>,
-    /// `A^T b` and its pull.
+    /// `A^T b` plus its pull.
     pub right: DVector<f64>,
     /// `b^T b`.
     pub square: f64,
 }
 
-/// What an unknown may be.
+/// Bounds of an unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
     /// Smallest value.
@@ -24,24 +24,24 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Any number.
+    /// Unbounded.
     pub const FREE: Self = Self {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
     };
-    /// Whether it can be hardly other than 1: the amplitude of what acts once.
+    /// True if it can hardly differ from 1: the amplitude of something that acts once.
     pub fn is_once(&self) -> bool {
         self.low > 0.5 && self.high < 1.5
     }
 
-    /// 0 and more.
+    /// 0 or more.
     pub const POSITIVE: Self = Self {
         low: 0.0,
         high: f64::INFINITY,
     };
 }
 
-/// The minimum within the bounds, by fixing what would leave them; `None` where the equations have no solution.
+/// The minimum within the bounds, fixing unknowns that would leave them; `None` if the equations have no solution.
 pub fn solve(normal: &Normal, bounds: &[Bound]) -> Option<(DVector<f64>, f64)> {
     let n = bounds.len();
     let mut fixed: Vec<Option<f64>> = vec![None; n];
@@ -56,7 +56,7 @@ pub fn solve(normal: &Normal, bounds: &[Bound]) -> Option<(DVector<f64>, f64)> {
                     .max(f64::MIN_POSITIVE)
                     .sqrt()
             };
-            // Scaled to ones on the diagonal: units differ by orders of magnitude.
+            // Scaled to a unit diagonal: units differ by orders of magnitude.
             let a = DMatrix::from_fn(free.len(), free.len(), |i, j| {
                 normal.matrix[(free[i], free[j])] * scale(i) * scale(j)
                     + if i == j { 1e-12 } else { 0.0 }
@@ -86,7 +86,7 @@ pub fn solve(normal: &Normal, bounds: &[Bound]) -> Option<(DVector<f64>, f64)> {
 
 /// Sum of products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums at once, which the processor can do beside each other.
+    // Four sums at a time, which the processor can compute in parallel.
     let mut sums = [0.0; 4];
     let (ac, bc) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = ac
@@ -117,7 +117,7 @@ pub fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {
     matrix
 }
 
-/// The columns of several records, one record behind the other.
+/// The columns of several records, concatenated.
 pub fn stacked(records: impl IntoIterator<Item = Vec<Vec<f64>>>) -> Vec<Vec<f64>> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     for own in records {
@@ -128,14 +128,14 @@ pub fn stacked(records: impl IntoIterator<Item = Vec<Vec<f64>>>) -> Vec<Vec<f64>
     all
 }
 
-/// Normal equations, scaled and factored once for many right sides.
+/// Normal equations, scaled and factored once for many right-hand sides.
 pub struct Factor {
     cholesky: Cholesky<f64, Dyn>,
     scale: Vec<f64>,
 }
 
 impl Factor {
-    /// `None` where they have no solution.
+    /// `None` if they have no solution.
     pub fn of(mut matrix: DMatrix<f64>) -> Option<Self> {
         let n = matrix.nrows();
         let scale: Vec<f64> = (0..n)
@@ -153,7 +153,7 @@ impl Factor {
         })
     }
 
-    /// Adds the regression of a signal on `columns` to it, times a factor.
+    /// Adds a signal's regression on `columns` to that signal, times a factor.
     pub fn add_regression(&self, columns: &[Vec<f64>], signal: &mut [f64], factor: f64) {
         let right = |i: usize, _| dot(&columns[i], signal) * self.scale[i];
         let share = self.cholesky.solve(&DVector::from_fn(columns.len(), right));
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn bounds_hold_and_the_rest_makes_the_best_of_it() {
-        // y = 2 a + 3 b with a bounded to 1: b takes what it can.
+        // y = 2 a + 3 b with a bounded by 1: b absorbs what it can.
         let columns = [vec![1.0, 0.0, 1.0], vec![0.0, 1.0, 1.0]];
         let b = [2.0, 3.0, 5.0];
         let normal = Normal {

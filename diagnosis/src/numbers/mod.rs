@@ -1,4 +1,4 @@
-//! Arithmetic on signals: sums and spectra of samples, linear algebra, filters and operators. It knows nothing of records or models.
+//! Arithmetic on signals: sums and spectra, linear algebra, filters and operators, independent of records and models.
 
 pub mod coherence;
 pub mod linear;

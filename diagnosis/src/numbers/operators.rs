@@ -1,6 +1,6 @@
-//! Operators with memory, over a whole segment.
+//! Operators with memory over a whole segment.
 
-/// Backlash of `width` in all.
+/// Backlash with a total `width`.
 pub fn play(x: &[f64], width: f64) -> Vec<f64> {
     let half = 0.5 * width;
     let mut at = x[0];
@@ -12,7 +12,7 @@ pub fn play(x: &[f64], width: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The largest size so far, from a first one on.
+/// The running maximum of the magnitude, starting from an earlier value.
 pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
     x.iter().scan(before, |largest, x| {
         *largest = x.abs().max(*largest);
@@ -20,7 +20,7 @@ pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// The travel up to each sample, from a first one on.
+/// The travel up to each sample, starting from an earlier value.
 pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
     v.iter().scan(before, move |travel, v| {
         *travel += interval_s * v.abs();
@@ -28,7 +28,7 @@ pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f
     })
 }
 
-/// No change within a width in all around a middle; the corners of that zone are round over so much to either side.
+/// No change within a total width around a middle; that zone's corners are rounded over `round` to either side.
 pub fn dead_zone(x: &[f64], [width, round, middle]: [f64; 3]) -> impl Iterator<Item = f64> + '_ {
     let passes = move |x: &f64| {
         let [above, below] = [x - middle, middle - x].map(|x| beyond(x - 0.5 * width, round));
@@ -37,7 +37,7 @@ pub fn dead_zone(x: &[f64], [width, round, middle]: [f64; 3]) -> impl Iterator<I
     x.iter().map(passes)
 }
 
-/// How far beyond zero, by a corner that a parabola rounds over `round` to either side.
+/// The excess over zero, with a corner that a parabola rounds over `round` to either side.
 fn beyond(x: f64, round: f64) -> f64 {
     if x.abs() < round {
         (x + round).powi(2) / (4.0 * round)
@@ -46,7 +46,7 @@ fn beyond(x: f64, round: f64) -> f64 {
     }
 }
 
-/// What a joint slips that holds up to the deformation `holds` and has a clearance of `gap` in all.
+/// Slip of a joint that holds up to the deformation `holds` and has a total clearance of `gap`.
 pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
     let mut s = 0.0_f64;
     x.iter()
@@ -57,7 +57,7 @@ pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
         .collect()
 }
 
-/// What a joint gives that comes back: it slips beyond `out`, and on the way back the more of it is gone the nearer `back` is.
+/// Give of a self-centring joint: at least the excess of the motion over `out`, at most that over `back`.
 pub fn returned(x: &[f64], out: f64, back: f64) -> Vec<f64> {
     let mut slip = 0.0_f64;
     let give = |x: &f64| {
@@ -81,7 +81,7 @@ pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Force over stiffness of an elastic-plastic element that yields at `yield_at`.
+/// Force over stiffness of an elastic-plastic element with yield displacement `yield_at`.
 pub fn elastic_plastic(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     x.iter()
@@ -93,7 +93,7 @@ pub fn elastic_plastic(x: &[f64], yield_at: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The same of a Bouc-Wen element, `dz = dx (1 - |z / y|^n (g sign(dx z) + 1 - g))` with the loop shape `g`.
+/// The same for a Bouc-Wen element, `dz = dx (1 - |z / y|^n (g sign(dx z) + 1 - g))` with the loop shape `g`.
 pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     x.iter()
@@ -112,7 +112,7 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Ve
         .collect()
 }
 
-/// Deflection of a spring behind a dashpot: `z' = v - z / tau`.
+/// Deflection of a spring in series with a dashpot: `z' = v - z / tau`.
 pub fn relaxed(x: &[f64], tau_s: f64, interval_s: f64) -> Vec<f64> {
     let decay = (-interval_s / tau_s).exp();
     let passed = tau_s / interval_s * (1.0 - decay);
@@ -126,7 +126,7 @@ pub fn relaxed(x: &[f64], tau_s: f64, interval_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Moves by no more than `most` from sample to sample.
+/// Limits the change from sample to sample to `most`.
 pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
     let mut at = x[0];
     x.iter()
@@ -137,10 +137,10 @@ pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A first-order lag that acts only on the way down. Samples of `step_s` that are means of a record's, `interval_s` apart,
-/// come as late as the record's own do: the screening of a record sees the lag that is in it.
+/// A first-order lag that acts only on the way down. Samples of `step_s` that are means of a record's, `interval_s`
+/// apart, are as late as the record's own: screening a record sees the lag that it contains.
 pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64, step_s: f64) -> Vec<f64> {
-    // By how much the record's samples are late on a ramp.
+    // Delay of the record's samples on a ramp.
     let late_s = interval_s / (interval_s / lag_s).exp_m1();
     let share = step_s / (step_s + late_s);
     let mut at = x[0];

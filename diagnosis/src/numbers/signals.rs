@@ -1,7 +1,7 @@
-//! What effects are computed from: one segment of a record in a channel's own terms.
+//! The input from which effects are computed: one segment of a record in a channel's own terms.
 
-/// A segment of a record. `x` is what goes into the effects: the displacement of the specimen without its noise, or
-/// the actuator's answer as the model has it. `base` is what the model makes of it, `force` the measured force.
+/// A segment of a record. `x` is the input of the effects: the specimen's displacement without its noise, or the
+/// modelled response of the actuator. `base` is the model's response to it, `force` the measured force.
 #[derive(Clone, Debug)]
 pub struct Signals {
     /// Sampling interval, s.
@@ -10,20 +10,20 @@ pub struct Signals {
     pub time_s: Vec<f64>,
     /// Displacement, mm.
     pub x: Vec<f64>,
-    /// Largest displacement before, either way, mm.
+    /// Largest earlier displacement in either direction, mm.
     pub largest_before_mm: f64,
-    /// Travel before, mm.
+    /// Earlier travel, mm.
     pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
     /// Acceleration, mm/s^2.
     pub a: Vec<f64>,
-    /// What the model answers without the effect, mm or N.
+    /// The model's response without the effect, mm or N.
     pub base: Vec<f64>,
-    /// Displacement as it was read, mm, with its noise and with what no low-pass lets through: a corner of the motion
-    /// is felt by a spring, too. Empty in the actuator.
+    /// Displacement as read, mm, with its noise and with what no low-pass passes: a spring also responds to a corner of
+    /// the motion. Empty in the actuator.
     pub reading: Vec<f64>,
-    /// Measured force without its noise, N; zeros where there is none.
+    /// Measured force without its noise, N; zeros if there is none.
     pub force: Vec<f64>,
     /// Command, mm; empty in the specimen.
     pub command: Vec<f64>,
@@ -43,7 +43,7 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// The answer to a command, mm.
+    /// The response to a command, mm.
     pub fn answer(&self, command: &[f64], interval_s: f64) -> Vec<f64> {
         let late = delayed(command, self.delay_s, interval_s);
         let mut y = lagged(&late, self.lag_s, interval_s);
@@ -53,14 +53,14 @@ impl Transfer {
     }
 }
 
-/// Sizes that shape parameters and bounds are measured by.
+/// Reference sizes for shape parameters and bounds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scales {
     /// Largest displacement, mm.
     pub x: f64,
     /// Largest velocity, mm/s.
     pub v: f64,
-    /// Largest answer of the model, mm or N.
+    /// Largest response of the model, mm or N.
     pub base: f64,
     /// Stiffness, N/mm; 1 in the actuator.
     pub stiffness: f64,
@@ -68,13 +68,13 @@ pub struct Scales {
     pub seconds: f64,
     /// Sampling interval of the record, s.
     pub interval_s: f64,
-    /// That of the signals that are worked on: a multiple of it where they are averaged.
+    /// Sampling interval of the signals used: a multiple of that of the record if they are averaged.
     pub step_s: f64,
-    /// The actuator's gain, transport delay, s, lag, s, and offset, mm, as the model has them.
+    /// The actuator's gain, transport delay, s, lag, s, and offset, mm, as in the model.
     pub actuator: Transfer,
     /// The same as declared.
     pub declared: Transfer,
-    /// Frequency of the strongest line near the mains' in the residual, Hz, where there is one.
+    /// Frequency of the strongest line near the mains frequency in the residual, Hz, if there is one.
     pub line_hz: Option<f64>,
 }
 
@@ -89,7 +89,7 @@ pub fn derivative(x: &[f64], interval_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// `u` as it was `delay_s` earlier, straight between samples; before the first it stood still.
+/// `u` delayed by `delay_s`, linear between samples; constant before the first.
 pub fn delayed(u: &[f64], delay_s: f64, interval_s: f64) -> Vec<f64> {
     let steps = delay_s / interval_s;
     let whole = steps.floor();
@@ -100,7 +100,7 @@ pub fn delayed(u: &[f64], delay_s: f64, interval_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// First-order lag, exact for an input that is straight between samples; begins settled.
+/// First-order lag, exact for an input that is linear between samples; begins settled.
 pub fn lagged(u: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     if lag_s <= 1e-3 * interval_s {
         return u.to_vec();
@@ -123,7 +123,7 @@ fn lag_weights(lag_s: f64, interval_s: f64) -> (f64, f64, f64) {
     (decay, 1.0 - ramp, ramp - decay)
 }
 
-/// What went into [`lagged`], from what came out of it.
+/// Recovers the input of [`lagged`] from its output.
 pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     if lag_s <= 1e-3 * interval_s {
         return y.to_vec();
@@ -144,10 +144,10 @@ pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
 /// Second-order low-pass of a natural frequency and damping ratio, trapezoidal; begins settled.
 pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
     if hz * interval_s > 0.45 {
-        // Faster than the samples can show: late, and no more.
+        // Faster than the samples can show: only a delay.
         return lagged(u, damping / (std::f64::consts::PI * hz), interval_s);
     }
-    // Prewarped, so that the resonance stays where it is.
+    // Prewarped, so that the resonance stays in place.
     let w = (std::f64::consts::PI * hz * interval_s).tan();
     let (a0, a1, a2) = (
         1.0 + 2.0 * damping * w + w * w,
@@ -177,7 +177,7 @@ pub fn add_columns(y: &mut [f64], columns: &[Vec<f64>], weights: &[f64], factor:
     }
 }
 
-/// How a signal changes with something that was moved by a step.
+/// Change of a signal per step of something that was moved.
 pub fn difference_quotient(moved: &[f64], here: &[f64], step: f64) -> Vec<f64> {
     let pairs = moved.iter().zip(here);
     pairs.map(|(m, h)| (m - h) / step).collect()
@@ -200,7 +200,7 @@ pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Takes samples out of a residual or a column: they become 0.
+/// Removes samples from a residual or a column: they become 0.
 pub fn clear(values: &mut [f64], samples: &[usize]) {
     samples.iter().for_each(|i| values[*i] = 0.0);
 }
@@ -216,7 +216,7 @@ pub fn deviation(x: &[f64]) -> f64 {
     rms(&[x.iter().map(|x| x - mean).collect()])
 }
 
-/// rms of a residual over the standard deviation of what was measured.
+/// Rms of a residual over the standard deviation of the measurement.
 pub fn nrmse(residuals: &[Vec<f64>], measured: &[f64]) -> f64 {
     rms(residuals) / deviation(measured).max(f64::MIN_POSITIVE)
 }

@@ -1,4 +1,4 @@
-//! What is said in words: notes, and the experiment that would decide.
+//! Wording of notes, and of the experiment that would decide.
 
 use crate::criteria::REACH;
 use crate::model::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
@@ -6,7 +6,7 @@ use crate::model::base::Base;
 use crate::numbers::signals::{difference, mean};
 use plant::{Channel, Effect, Family};
 
-/// The declared parameters that were free, as refitted.
+/// The free declared parameters, as refitted.
 pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
     let parameters = base.channel.parameters();
     base.free
@@ -21,12 +21,12 @@ pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
         .collect()
 }
 
-/// Share of the held-out squares from which on their mean is most of what is left.
+/// Fraction of the held-out squares above which their mean makes up most of the residual.
 const MOSTLY_ZERO: f64 = 0.7;
-/// What is left at least for that to be said, in noise rms.
+/// Smallest residual for which that is reported, in noise rms.
 const LOUD: f64 = 2.0;
 
-/// What is left of the held-out data where it is mostly a constant, and nothing of the kind is left of the training data.
+/// Note if the held-out residual is mostly a constant, and the training residual is not.
 pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
     let t = &answer.traces;
     let left = answer.error_after;
@@ -50,7 +50,7 @@ pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
         })
 }
 
-/// Four digits.
+/// Formats with four digits.
 pub fn four(x: f64) -> String {
     let places = if x == 0.0 || !x.is_finite() {
         0
@@ -60,8 +60,8 @@ pub fn four(x: f64) -> String {
     format!("{x:.places$}")
 }
 
-/// Of a name that is the error of a declared parameter: whether the refitted parameter holds it already, as in the engine's
-/// answers, or it acts on the refitted value.
+/// For a name that is the error of a declared parameter: says whether the refitted parameter already contains it, as in
+/// the engine's answers, or whether it acts on the refitted value.
 pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     let channel = answer.channel;
     let of = |e: &FoundEffect| {
@@ -79,7 +79,7 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
             });
         }
         let error = e.parameters.first()?.value;
-        // A load cell's gain stays beside the stiffness.
+        // A load cell's gain is an addition to the stiffness.
         if channel == Channel::Specimen && effect == Effect::GainError {
             return Some(format!(
                 "The {effect} acts on the force of the refitted {name}: together {}.",
@@ -95,7 +95,7 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     answer.effects.iter().filter_map(of).collect()
 }
 
-/// Sentences on what the one engine came to.
+/// Notes on the engine's result.
 pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
@@ -130,7 +130,7 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
     notes
 }
 
-/// Of a spring that is far from its declaration since an element that gives way stands beside it: what they are together.
+/// For a spring far from its declared value because an element that yields acts with it: their joint stiffness.
 fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
     let spring = answer.refitted.iter().find(|r| r.name == STIFFNESS)?;
     if (spring.value - spring.declared).abs() <= REACH * spring.tolerance {
@@ -153,7 +153,7 @@ fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
 /// Name of a declared parameter.
 const STIFFNESS: &str = "stiffness_n_per_mm";
 
-/// What to measure next, to tell an effect from those that look like it.
+/// The next measurement that would tell an effect from those that look like it.
 fn experiment(effect: Effect) -> &'static str {
     match effect.entry().family {
         Family::Timing => {

@@ -1,11 +1,11 @@
-//! What looks odd about records that can be judged all the same: units, a dead transducer, a copied column.
+//! Oddities of records that can still be judged: units, a dead transducer, a copied column.
 
 use crate::criteria::records::{BACK, DEAD_S, FAR, FEWEST_OUTLIERS, FOLLOWS, LEAVES, MOVES, NEAR};
 use crate::model::Model;
 use crate::numbers::signals::{deviation, mean};
 use crate::record::recording::{Recording, correlation, range};
 
-/// What a unit is mistaken for another by, and how that is called.
+/// Factors between units that are easily confused, with their names.
 const UNITS: [(f64, &str); 4] = [
     (25.4, "an inch has 25.4 mm"),
     (9.80665, "a kilogram-force has 9.807 N"),
@@ -13,7 +13,7 @@ const UNITS: [(f64, &str); 4] = [
     (1000.0, "a kN has 1000 N, a metre 1000 mm"),
 ];
 
-/// Questions about the records, each a sentence.
+/// Questions about the records, one sentence each.
 pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
     records.iter().flat_map(|r| of(model, r)).collect()
 }
@@ -45,7 +45,7 @@ fn of(model: &Model, r: &Recording) -> Vec<String> {
     all
 }
 
-/// A ratio that is a factor between two units.
+/// A ratio that is a conversion factor between two units.
 fn unit(
     r: &Recording,
     what: &str,
@@ -56,7 +56,7 @@ fn unit(
     if !ratio.is_finite() || correlation(input, output).abs() < FOLLOWS {
         return None;
     }
-    // A unit is the same for small motions: what has cracked or yielded was as declared before.
+    // A wrong unit also holds for small motions: a specimen that cracked or yielded started as declared.
     let early = early_slope(input, output) / declared.abs();
     let near =
         |factor: f64| (ratio / factor - 1.0).abs() < NEAR && (early / factor - 1.0).abs() < EARLY;
@@ -67,12 +67,12 @@ fn unit(
     ))
 }
 
-/// Share of its range that a motion's beginning goes through.
+/// Fraction of its range that counts as the beginning of a motion.
 const BEGINNING: f64 = 0.1;
-/// How near the slope there must be to a factor between two units: noise and friction are in it.
+/// Tolerance of the slope there relative to a conversion factor: it includes noise and friction.
 const EARLY: f64 = 0.3;
 
-/// The slope of an output over its input up to where that has gone through its first tenth.
+/// Slope of output over input until the input has covered the first tenth of its range.
 fn early_slope(input: &[f64], output: &[f64]) -> f64 {
     let far = BEGINNING * range(input);
     let end = input.iter().position(|x| (x - input[0]).abs() > far);
@@ -87,17 +87,17 @@ fn early_slope(input: &[f64], output: &[f64]) -> f64 {
     both.abs() / square.max(f64::MIN_POSITIVE)
 }
 
-/// A force stands near zero below this share of its rms.
+/// A force below this fraction of its rms counts as near zero.
 const NEAR_ZERO: f64 = 0.2;
 
-/// Single samples that jump away and back: a loose contact, a lost packet; of a force that passes zero there, a part that hits.
+/// Single samples that jump away and back: a loose contact or a lost packet; if the force passes zero there, an impact.
 fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
     let off = |i: usize| (x[i] - 0.5 * (x[i - 1] + x[i + 1])).abs();
     let mut usual: Vec<f64> = (1..x.len() - 1).map(off).collect();
     let at = usual.len() * 9 / 10;
     let usual = *usual.select_nth_unstable_by(at, f64::total_cmp).1;
     let least = (LEAVES * usual).max(FAR * range(x));
-    // Both neighbours lie on the same side: a sample beside a spike is none.
+    // Both neighbours lie on the same side: a sample next to a spike does not count.
     let alone = |i: &usize| {
         let [before, after] = [x[*i] - x[i - 1], x[*i] - x[i + 1]];
         off(*i) > least && before * after > 0.0 && (x[i + 1] - x[i - 1]).abs() < BACK * off(*i)
@@ -141,7 +141,7 @@ fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
     ))
 }
 
-/// A channel that stands still to the bit while its input moves.
+/// A channel that stays constant to the bit while its input moves.
 fn dead(r: &Recording, what: &str, input: &[f64], output: &[f64]) -> Option<String> {
     let least = (DEAD_S / r.interval_s()).ceil() as usize;
     let mut from = 0;
@@ -174,7 +174,7 @@ mod tests {
     use crate::model::declared::Declared;
     use crate::model::{ActuatorModel, SpecimenModel};
 
-    /// What is said of an actuator that follows and a spring of 100 N/mm, once `change` has been there.
+    /// Remarks on an actuator that follows and a spring of 100 N/mm, after `change` was applied.
     fn said(change: impl Fn(&mut Recording)) -> Vec<String> {
         let time_s: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 1e-3).collect();
         let moves = |late: f64| -> Vec<f64> {
@@ -224,7 +224,7 @@ mod tests {
         );
         let pound = said(|r| scale(&mut r.force_n, 1.0 / 4.448));
         assert!(pound.len() == 1 && pound[0].contains("pound"), "{pound:?}");
-        // A column that has cracked: less of the stiffness, but not from the beginning on.
+        // A column that cracked: less than the declared stiffness, but not from the beginning.
         let cracked = said(|r| {
             let mut largest = 0.0_f64;
             let x = r.displacement_mm.clone().unwrap();
@@ -263,7 +263,7 @@ mod tests {
         let of =
             |s: &String| s.contains("single samples of the displacement read 0 mm, the first at");
         assert!(dropped.iter().any(of), "{dropped:?}");
-        // One that stands near 0 anyway does not count, and a sharp turn is none.
+        // A sample near 0 anyway does not count, nor does a sharp turn.
         let number: Vec<&str> = dropped[0].split(' ').collect();
         assert!(
             (35..=40).contains(&number[1].parse::<i32>().unwrap()),

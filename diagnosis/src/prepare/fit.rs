@@ -1,4 +1,4 @@
-//! The declared parameters at their best against whitened records.
+//! Fits the declared parameters to whitened records.
 
 use crate::model::base::Base;
 use crate::numbers::linear::{Normal, dot, gram, solve};
@@ -7,13 +7,13 @@ use crate::prepare::noise::Noise;
 use crate::prepare::problem::Problem;
 use nalgebra::DVector;
 
-/// Share of the cost by which the last step may be off from what it promised.
+/// Largest deviation of the cost from what the last step predicted, as a fraction.
 const SETTLED: f64 = 1e-4;
-/// The specimen's answer is linear in its parameters but for effects relative to its stiffness, the actuator's nearly.
+/// A specimen's force is linear in its parameters but for effects relative to its stiffness; an actuator's, nearly so.
 const ROUNDS: usize = 5;
 
-/// The best changes of the free declared parameters, linear around those of the problem, and the cost that they promise: squares of
-/// the white residual, and of what was known beforehand.
+/// The best changes of the free declared parameters, linearised about the problem's values, and the cost that they
+/// predict: squares of the whitened residual plus those of the prior.
 fn step(problem: &Problem, base: &Base, noise: &Noise) -> Option<(DVector<f64>, f64)> {
     let mut residual = Vec::new();
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); base.free.len()];
@@ -30,7 +30,7 @@ fn step(problem: &Problem, base: &Base, noise: &Noise) -> Option<(DVector<f64>, 
         right: DVector::from_fn(columns.len(), |i, _| dot(&columns[i], &residual)),
         square: dot(&residual, &residual),
     };
-    // What is declared is known to a tolerance.
+    // Declared values are known to a tolerance.
     for (i, f) in base.free.iter().enumerate() {
         let off = base.values[f.index] - problem.theta[f.index];
         let precision = f.tolerance.powi(-2);
@@ -41,7 +41,7 @@ fn step(problem: &Problem, base: &Base, noise: &Noise) -> Option<(DVector<f64>, 
     solve(&normal, &base.bounds(&problem.theta))
 }
 
-/// The problem with its declared parameters at their best; `None` where the equations have no solution.
+/// The problem with its declared parameters fitted; `None` if the equations have no solution.
 pub fn settle(problem: &Problem, base: &Base, noise: &Noise) -> Option<Problem> {
     let mut problem = problem.clone();
     let mut promised = f64::INFINITY;

@@ -1,4 +1,4 @@
-//! A loop that hunts: the command stands still or nearly so, and the rig does not.
+//! A hunting loop: the command is constant or nearly so, but the rig moves.
 
 use crate::criteria::{LITTLE, SWINGS};
 use crate::numbers::coherence::linear_share;
@@ -6,8 +6,8 @@ use crate::numbers::signals::{deviation, rms};
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::{Recording, correlation};
 
-/// Whether the specimen moves in a rest: a loop that hunts swings displacement and force together, each well above the noise of
-/// its own samples. The force of that is no noise.
+/// True if the specimen moves during a rest: a hunting loop swings displacement and force together, each well above its
+/// sample noise. Such a force is not noise.
 pub fn hunts(recording: &Recording, (first, end): (usize, usize)) -> bool {
     let (Some(x), Some(force)) = (&recording.displacement_mm, &recording.force_n) else {
         return false;
@@ -22,10 +22,10 @@ pub fn hunts(recording: &Recording, (first, end): (usize, usize)) -> bool {
     clean.iter().all(swings) && together()
 }
 
-/// What samples differ by from a smooth curve through their neighbours, rms: of white noise its own.
+/// Deviation of samples from a smooth curve through their neighbours, rms; for white noise its own rms.
 fn sample_noise(x: &[f64]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
-    // The squares of the weights come to 70.
+    // The squares of the weights sum to 70.
     rms(&[x.windows(5).map(fourth).collect()]) / 70.0_f64.sqrt()
 }
 
@@ -52,7 +52,7 @@ mod tests {
         let hunting = record(&|t| 0.13 * (45.0 * t).sin());
         assert!(hunts(&hunting, (0, 1900)));
         assert!(!hunts(&record(&|_| 0.0), (0, 1900)));
-        // A hum of the displacement alone.
+        // Hum in the displacement only.
         let mut hums = record(&|_| 0.0);
         let read = hums.displacement_mm.iter_mut().flatten().enumerate();
         read.for_each(|(i, x)| *x += 0.2 * (std::f64::consts::TAU * 50.0 * i as f64 * h).sin());

@@ -1,5 +1,5 @@
-//! What the motion can tell apart, before anything is fitted: a record of one frequency, of one speed or of one side gives
-//! different causes the same force, whatever fits.
+//! What the motion can tell apart, before anything is fitted: in a record of one frequency, one speed or one side
+//! different causes give the same force, whatever fits.
 
 use crate::criteria::specimen::TOGETHER;
 use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
@@ -13,13 +13,13 @@ use std::f64::consts::TAU;
 /// Something that a motion lacks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deficiency {
-    /// In words.
+    /// The sentence for the answer.
     pub sentence: String,
-    /// Causes that are one without it, the most usual first.
+    /// Causes that are indistinguishable without it, the most common first.
     pub alike: Vec<Vec<Effect>>,
 }
 
-/// What the input of a channel lacks in all its training records.
+/// What a channel's input lacks in all its training records.
 pub fn deficiencies(base: &Base, train: &[Recording]) -> Vec<Deficiency> {
     let column = |r: &Recording| match base.channel {
         Channel::Actuator => r.command_mm.clone(),
@@ -49,19 +49,19 @@ pub fn deficiencies(base: &Base, train: &[Recording]) -> Vec<Deficiency> {
     deficiencies
 }
 
-/// The mean of values that are within some percent of each other.
+/// The mean of values that agree within some percent.
 fn same(values: &[f64]) -> Option<f64> {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let alike = |v: &f64| (v / mean - 1.0).abs() < SAME_SPEED;
     values.iter().all(alike).then_some(mean)
 }
 
-/// The frequency that holds nearly all of the power of a motion's speed.
+/// The frequency that holds nearly all of the power of a motion's velocity.
 fn only_line_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     let density = Density::of(x, interval_s)?;
     let mut upper = density.power[density.power.len() / 2..].to_vec();
     upper.sort_by(f64::total_cmp);
-    // Six times the floor of the reading is motion.
+    // Power above six times the reading's floor is motion.
     let floor = 6.0 * upper[upper.len() / 2];
     let long = crate::record::spectrum::periodogram(x);
     let bin_hz = 1.0 / (x.len() as f64 * interval_s);
@@ -76,7 +76,7 @@ fn only_line_hz(x: &[f64], interval_s: f64) -> Option<f64> {
         .collect();
     let whole: f64 = speed.iter().sum();
     let at = (0..speed.len()).max_by(|a, b| speed[*a].total_cmp(&speed[*b]))?;
-    // A Hann window spreads a line, an amplitude that grows spreads it by a bin or two; a resonance is wider.
+    // A Hann window spreads a line, and a growing amplitude adds a bin or two; a resonance is wider.
     let room = 3 + at / 50;
     let own: f64 = speed[at.saturating_sub(room)..(at + room + 1).min(speed.len())]
         .iter()
@@ -107,7 +107,7 @@ fn one_frequency(channel: Channel, hz: f64) -> Deficiency {
     }
 }
 
-/// An actuator that is driven far below what its lag would show.
+/// An actuator driven far more slowly than would show its lag.
 fn slow(base: &Base, inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
     use Effect::{DelayError, LagError, SecondLag};
     let bands = inputs.iter().map(|(x, h)| motion_band_hz(x, *h));
@@ -126,7 +126,7 @@ fn slow(base: &Base, inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
     })
 }
 
-/// Speeds of a record: the usual one in each direction, mm/s, where there is a usual one; how much of the way goes
+/// Speeds of a record: the usual one in each direction, mm/s, if there is one; and the fraction of the travel that goes
 /// forward.
 struct Speeds {
     usual: [f64; 2],
@@ -168,7 +168,7 @@ impl Speeds {
     }
 }
 
-/// Whether these records of a specimen move at one speed each way, or one way alone: what takes time and what takes way are one there.
+/// True if these records of a specimen move at one speed each way, or one way only: then time and travel are one.
 pub fn has_one_speed(records: &[Recording]) -> bool {
     let of = |r: &Recording| Speeds::of(r.displacement_mm.as_ref()?, r.interval_s());
     let speeds: Option<Vec<Speeds>> = records.iter().map(of).collect();
@@ -239,8 +239,8 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
     })
 }
 
-/// What warms up with time and what is damaged by the largest displacement so far, where this grows as that does: a
-/// protocol of growing cycles, above all.
+/// Warming with time and damage by the largest displacement so far are alike if that displacement grows with time:
+/// above all in a protocol of growing cycles.
 pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
     let name = Effect::TemperatureGain;
     let found = answer.effects.iter().find(|e| e.name == name)?;
@@ -251,7 +251,7 @@ pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency
     let together = |r: &Recording| {
         let x = r.displacement_mm.as_ref()?;
         let mut largest = 0.0_f64;
-        // Each moment counts as the force that a change of stiffness makes then.
+        // Each moment is weighted by the force that a change of stiffness makes then.
         let moments = x.iter().zip(&r.time_s).map(|(x, t)| {
             let x = x - r.displacement_mm.as_ref().map_or(0.0, |x| x[0]);
             largest = largest.max(x.abs());
@@ -275,7 +275,7 @@ pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency
     })
 }
 
-/// The square of the correlation of two values, each moment with its weight.
+/// The square of the weighted correlation of two values.
 pub fn alike(moments: &[(f64, f64, f64)]) -> f64 {
     let sum =
         |of: &dyn Fn(f64, f64) -> f64| moments.iter().map(|(w, a, b)| w * of(*a, *b)).sum::<f64>();
@@ -286,8 +286,8 @@ pub fn alike(moments: &[(f64, f64, f64)]) -> f64 {
     both * both / own.max(f64::MIN_POSITIVE)
 }
 
-/// How often a cause is met among those that fit a specimen's record equally well, relative to friction: every machine
-/// has that; a filter or a change with time fits many records and is the cause of few.
+/// How common a cause is among those that fit a specimen's record equally well, relative to friction: every machine has
+/// friction; a filter or a change with time fits many records and is the cause of few.
 fn commonness(name: Effect) -> f64 {
     match name.entry().family {
         Family::Friction => 1.0,
@@ -299,7 +299,7 @@ fn commonness(name: Effect) -> f64 {
     }
 }
 
-/// Makes a set of every name that the motion cannot tell from others, and says so.
+/// Turns every name that the motion cannot tell from others into a set, and adds a note.
 pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
     let named = matches!(
         answer.verdict,
@@ -333,7 +333,7 @@ pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
             .fold(0.0, f64::max);
         let usual = held.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
         for &name in &group {
-            // Friction that falls with speed is friction where there is one speed.
+            // At one speed, friction that falls with speed is friction.
             let friction = |n: Effect| n.entry().family == Family::Friction;
             let there = |m: &Member| m.name == name || friction(m.name) && friction(name);
             if all.len() < LARGEST_SET && !all.iter().any(there) {

@@ -1,4 +1,4 @@
-//! What the model has from before is taken off the records first.
+//! Removes the contribution of effects that the model already has from the records.
 
 use crate::criteria::BAND_ROOM;
 use crate::laws::specimen::track::UnfilteredSpan;
@@ -9,7 +9,7 @@ use crate::record::recording::Recording;
 use crate::record::spectrum::smooth;
 use plant::{Effect, Family};
 
-/// Records without the force of effects and elements that the model has from before.
+/// Records without the force of effects and elements that the model already has.
 pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
     if base.known.is_empty() && base.elements.is_empty() {
         return Some(records.to_vec());
@@ -26,16 +26,16 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
         .collect()
 }
 
-/// So many bands of the motion are kept where its noise would be made into a force.
+/// Multiple of the motion's band that is kept if noise above it would be turned into a force.
 const KEPT_BANDS: f64 = 1.5;
 
-/// Whether a known effect makes a force of the displacement's noise: its rate, and both edges of a gap.
+/// True if a known effect turns displacement noise into force: one with a rate, or with both edges of a gap.
 fn acts_on_steps(base: &Base) -> bool {
     let feels = |e: Effect| e == Effect::ChannelSkew || e.entry().family == Family::Gap;
     base.known.iter().any(|e| feels(e.name))
 }
 
-/// The record without the noise of its displacement above a cut-off.
+/// The record without the displacement noise above a cut-off.
 fn of_smoothed_motion(record: &Recording, cutoff_hz: f64) -> Recording {
     let interval_s = record.interval_s();
     let smoothed = |x: &Vec<f64>| smooth(x, interval_s, cutoff_hz).x;
@@ -45,7 +45,7 @@ fn of_smoothed_motion(record: &Recording, cutoff_hz: f64) -> Recording {
     }
 }
 
-/// The force of effects and elements that the model has from before, N.
+/// The force of effects and elements that the model already has, N.
 fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     let bare = Base {
         known: Vec::new(),

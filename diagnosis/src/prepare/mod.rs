@@ -1,6 +1,6 @@
-//! What is known of a channel before anything is searched: whether its records can be judged ([`plausible`], [`anomalies`]), what their
-//! motion can tell ([`input`], [`wear`]), their noise ([`noise`], [`hunting`]), and what the declared model answers ([`problem`],
-//! [`segment`], [`fit`], [`modelled`], [`known`]). The sentences of the notes stand in [`advice`].
+//! What is known of a channel before the search: whether its records can be judged ([`plausible`], [`anomalies`]), what
+//! their motion can tell ([`input`], [`wear`]), their noise ([`noise`], [`hunting`]), and the declared model's response
+//! ([`problem`], [`segment`], [`fit`], [`modelled`], [`known`]). [`advice`] has the wording of the notes.
 
 pub mod advice;
 pub mod anomalies;

@@ -1,12 +1,12 @@
-//! What a model answers to records.
+//! A model's response to records.
 
 use crate::model::base::Base;
 use crate::numbers::signals::end_of;
 use crate::prepare::problem::Problem;
 use crate::record::recording::Recording;
 
-/// Displacement or force of a channel's model over each record, mm or N; `None` where a signal is missing. `cutoff_hz` is where the
-/// displacement ends and its noise begins.
+/// Displacement or force of a channel's model over each record, mm or N; `None` if a signal is missing. `cutoff_hz`
+/// separates the displacement from its noise.
 pub fn answers(base: &Base, records: &[Recording], cutoff_hz: f64) -> Option<Vec<Vec<f64>>> {
     let problem = Problem::new(base, records, cutoff_hz, &[])?;
     let own = problem.segments.iter().zip(records);

@@ -1,5 +1,4 @@
-//! The noise floor, from where nothing moves or from above the motion's band: a whitening filter and the size of the
-//! noise.
+//! The noise floor, from rests or from above the motion's band: a whitening filter and the noise level.
 
 mod above;
 pub mod hum;
@@ -13,37 +12,37 @@ use crate::record::spectrum::line_hz;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Noise of one channel.
+/// Noise of a channel.
 #[derive(Clone, Debug)]
 pub struct Noise {
     /// Its rms, in the channel's unit.
     pub rms: f64,
-    /// What tells it.
+    /// How it was determined.
     pub from: NoiseSource,
-    /// So many samples are averaged into one before anything is fitted: a rig moves far below half of that rate.
+    /// Number of samples averaged into one before fitting: a rig moves far below half of that rate.
     pub every: usize,
     /// Autoregressive coefficients: `e_t = (r_t - sum a_i r_{t-i}) / innovation_rms` is white.
     coefficients: Vec<f64>,
     innovation_rms: f64,
-    /// The rest that this was learnt from, averaged.
+    /// The rest segments from which it was learnt, averaged.
     at_rest: Vec<Vec<f64>>,
 }
 
-/// What tells the noise.
+/// How the noise was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseSource {
-    /// A segment in which nothing moves.
+    /// From a segment in which nothing moves.
     Rest,
-    /// The difference between one period of the motion and the next.
+    /// From the difference between one period of the motion and the next.
     Repeats,
-    /// What the record has above the band of the motion.
+    /// From the spectrum above the band of the motion.
     AboveMotion,
-    /// The same, but it does not look like noise alone: a guess.
+    /// From the same, but it does not look like noise alone: a guess.
     Guess,
 }
 
 impl NoiseSource {
-    /// What is to be said of it.
+    /// The note for an answer.
     pub const fn note(self) -> Option<&'static str> {
         match self {
             Self::Rest => None,
@@ -63,15 +62,15 @@ impl NoiseSource {
 
 /// Largest order of the autoregressive model.
 const ORDER: usize = 8;
-/// Rate that averaging leaves, Hz: mains hum and its third harmonic are still in it.
+/// Sampling rate after averaging, Hz: it still contains mains hum and its third harmonic.
 const RATE_HZ: f64 = 500.0;
-/// Share of the noise that is taken for white whatever the rest says: where the rest shows hardly any noise, a model
-/// that is a little wrong would rule the fit.
+/// Fraction of the noise that is taken as white in any case: if the rest shows hardly any noise, a slightly wrong model
+/// would otherwise dominate the fit.
 const WHITE: f64 = 0.01;
 
 impl Noise {
-    /// From `segments` of residual at rest. Their means and mains lines are no noise; `least_rms` is what the
-    /// converter's steps alone would make, so that a channel that stands perfectly still has a floor, too.
+    /// From `segments` of residual at rest. Their means and mains lines are not noise; `least_rms` is what the
+    /// converter's steps alone would make, so that a perfectly constant channel has a floor, too.
     pub fn at_rest(segments: &[Vec<f64>], interval_s: f64, least_rms: f64) -> Self {
         let every = (1.0 / (RATE_HZ * interval_s)).round().max(1.0) as usize;
         let clean: Vec<Vec<f64>> = segments
@@ -94,8 +93,8 @@ impl Noise {
         }
     }
 
-    /// From what residuals have above the band of the motion that went in, segment by segment; `None` where they are too
-    /// short for a spectrum.
+    /// From residuals above the band of the input motion, segment by segment; `None` if they are too short for a
+    /// spectrum.
     pub fn without_rest(
         residuals: &[Vec<f64>],
         inputs: &[&[f64]],
@@ -111,7 +110,7 @@ impl Noise {
         Some(Self::at_rest(&[sample], interval_s, least_rms).with_source(from))
     }
 
-    /// Variance of means of so many samples of the record.
+    /// Variance of means of `of` samples of the record.
     pub fn variance_of_means(&self, of: usize) -> f64 {
         let whole = self.rms * self.rms;
         if of <= 1 {
@@ -127,20 +126,20 @@ impl Noise {
         if own > 0.0 && known > 1.0 { at } else { whole }
     }
 
-    /// The same noise, told by something else than a rest.
+    /// The same noise, attributed to another source.
     pub fn with_source(self, from: NoiseSource) -> Self {
         Self { from, ..self }
     }
 
-    /// White with variance 1, where `r` is this noise, averaged over [`Self::every`] samples; what the filter needs to
-    /// begin with is left out.
+    /// White with variance 1 if `r` is this noise, averaged over [`Self::every`] samples; the samples that the filter
+    /// needs to start are omitted.
     pub fn whiten_into(&self, r: &[f64], out: &mut Vec<f64>) {
         let r = averaged(r, self.every);
         let p = self.coefficients.len().min(r.len());
         let scale = 1.0 / self.innovation_rms;
         let start = out.len();
         out.extend(r[p..].iter().map(|r| r * scale));
-        // One coefficient after the other over the whole segment, which the processor can do side by side.
+        // One coefficient at a time over the whole segment, which the processor can vectorise.
         for (i, a) in self.coefficients.iter().enumerate() {
             let before = &r[p - 1 - i..r.len() - 1 - i];
             add_scaled(&mut out[start..], before, -a * scale);
@@ -148,8 +147,8 @@ impl Noise {
     }
 }
 
-/// The rms of the noise in residuals as it is at quiet times, from above the band of the motion that went in and above
-/// `free_hz`; `None` where they are too short for a spectrum.
+/// Noise rms in residuals at quiet times, from above the band of the input motion and above `free_hz`; `None` if they
+/// are too short for a spectrum.
 pub fn at_quiet_times(
     residuals: &[Vec<f64>],
     inputs: &[&[f64]],
@@ -160,7 +159,7 @@ pub fn at_quiet_times(
     Some(rms(&[sample]))
 }
 
-/// A sample of noise as the longest residual has it above its motion, and whether it looks like noise alone.
+/// A noise sample from the longest residual's spectrum above its motion, and whether it looks like noise alone.
 fn above(
     residuals: &[Vec<f64>],
     inputs: &[&[f64]],
@@ -171,7 +170,7 @@ fn above(
     let (residual, input) = (&residuals[longest], inputs[longest]);
     let above = Above::of(residual, input, interval_s, quiet_hz)?;
     let mut sample = above.sample(residual.len(), interval_s);
-    // The spectrum above a motion is that of its harmonics, too.
+    // The spectrum above a motion also contains its harmonics.
     let most = neighbours::rms(residual, input, interval_s);
     let seen = rms(std::slice::from_ref(&sample));
     if let Some(most) = most.filter(|m| *m < seen) {
@@ -180,7 +179,7 @@ fn above(
     Some((sample, above.sure))
 }
 
-/// Mean and slope taken off: what drifts at rest is no noise either.
+/// Removes mean and slope: drift at rest is not noise either.
 pub fn without_trend(x: &[f64]) -> Vec<f64> {
     let n = x.len() as f64;
     let mean = x.iter().sum::<f64>() / n;
@@ -198,10 +197,10 @@ pub fn without_trend(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Power over the median at which a line is one.
+/// Power over the median at which a spectral line counts.
 pub const PROMINENT: f64 = 60.0;
 
-/// Takes the mains' line and its third harmonic off, where there is one.
+/// Removes the mains line and its third harmonic, if present.
 fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
     let Some((hz, prominence)) = line_hz(&x, interval_s, 44.0, 66.0) else {
         return x;
@@ -222,7 +221,7 @@ fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
     x
 }
 
-/// The frequency of a line, Hz, from that of its bin, which is too coarse over a second or two.
+/// Refined frequency of a line, Hz, from that of its bin, which is too coarse over a second or two.
 pub fn between_bins(x: &[f64], interval_s: f64, bin_hz: f64) -> f64 {
     let power = |hz: f64| {
         let (c, s) = quadratures(x, interval_s, hz);
@@ -245,8 +244,8 @@ fn quadratures(x: &[f64], interval_s: f64, hz: f64) -> (f64, f64) {
     (c * scale, s * scale)
 }
 
-/// The autoregressive model of noise at rest and the mean square that it leaves; what the converter makes on top of a
-/// still channel, `least`, is white.
+/// The autoregressive model of noise at rest and its residual mean square; `least`, what the converter adds to a
+/// constant channel, is white.
 fn whitener(at_rest: &[Vec<f64>], least: f64) -> (Vec<f64>, f64) {
     let samples = at_rest.iter().map(Vec::len).sum::<usize>().max(1);
     let mut cov = [0.0; ORDER + 1];
@@ -260,7 +259,7 @@ fn whitener(at_rest: &[Vec<f64>], least: f64) -> (Vec<f64>, f64) {
     autoregressive(&cov, samples)
 }
 
-/// Yule-Walker equations; the order by Akaike's criterion.
+/// Yule-Walker equations; order by Akaike's criterion.
 fn autoregressive(cov: &[f64; ORDER + 1], samples: usize) -> (Vec<f64>, f64) {
     let mut best = (Vec::new(), cov[0], samples as f64 * cov[0].ln());
     for order in 1..=ORDER {
@@ -272,7 +271,7 @@ fn autoregressive(cov: &[f64; ORDER + 1], samples: usize) -> (Vec<f64>, f64) {
             break;
         };
         let a = factor.solve(&right);
-        // Of the noise as it is, under a filter for the noise and what was added.
+        // For the actual noise, filtered by the model of the noise with the white part added.
         let own = DMatrix::from_fn(order, order, |i, j| cov[i.abs_diff(j)]);
         let innovation = (cov[0] - 2.0 * a.dot(&right) + (&own * &a).dot(&a)).max(1e-6 * cov[0]);
         let criterion = samples as f64 * innovation.ln() + 2.0 * order as f64;
@@ -310,11 +309,11 @@ mod tests {
         let variance = dot(&e, &e) / e.len() as f64;
         let lag1 = dot(&e[1..], &e[..e.len() - 1]) / dot(&e, &e);
         assert!((variance - 1.0).abs() < 0.12, "{variance}");
-        // The share that is taken for white leaves a trace.
+        // The fraction taken as white leaves a trace.
         assert!(lag1.abs() < 0.1, "{lag1}");
     }
 
-    /// A force of 16 s at 250 Hz without a rest: a spring that is a little off, friction, a cubic spring, and noise.
+    /// A force of 16 s at 250 Hz without a rest: a slightly wrong spring, friction, a cubic spring, and noise.
     fn stated_over_true(seed: u64) -> f64 {
         let mut rng =
             <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(seed);
@@ -349,7 +348,7 @@ mod tests {
         noise.rms / (square / n as f64).sqrt()
     }
 
-    /// Share of records whose stated noise is within a factor of 1.3 of the true one.
+    /// Fraction of records whose stated noise is within a factor of 1.3 of the true one.
     fn within(records: std::ops::Range<u64>) -> f64 {
         let all: Vec<f64> = records.map(stated_over_true).collect();
         let near = all.iter().filter(|r| (1.0 / 1.3..1.3).contains(*r)).count();

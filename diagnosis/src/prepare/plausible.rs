@@ -1,4 +1,4 @@
-//! Whether records can be what their headers say, before anything is fitted.
+//! Checks that records can be what their headers say, before anything is fitted.
 
 use crate::criteria::records::{
     FEWEST_IN_ALL, GIVES, GOES_FAR, GOES_ON, HEAVY, OVER, SLIP, STOP, STOPS,
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Checks records against each other and against the model.
 ///
 /// # Errors
-/// Training and test data that overlap, a rest that moves, channels that look swapped, a unit that cannot be meant.
+/// Overlapping training and test data, a rest that moves, channels that look swapped, an implausible unit.
 pub fn check(
     model: &Model,
     train: &[Recording],
@@ -92,14 +92,14 @@ fn overlap(a: &Recording, b: &Recording) -> bool {
     a.name == b.name && a.time_s[0] <= end(b) && b.time_s[0] <= end(a)
 }
 
-/// Slopes between the channels, against those of the model.
+/// Compares slopes between the channels with those of the model.
 fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
     motion_per_command(model, r)?;
     force_per_motion(model, r)?;
     drives(model, r)
 }
 
-/// The largest correlation of two channels, the second one up to a tenth of a second late: that does not make it another quantity.
+/// Largest correlation of two channels, the second up to a tenth of a second late: a delay does not change what it is.
 fn late(r: &Recording, a: &[f64], b: &[f64]) -> f64 {
     let most = (0.1 / r.interval_s()) as usize;
     (0..=most.min(a.len() / 4))
@@ -170,7 +170,7 @@ fn force_per_motion(model: &Model, r: &Recording) -> Result<(), Refusal> {
         return Ok(());
     };
     let ratio = range(f) / (k * range(x)).max(f64::MIN_POSITIVE);
-    // A force of the spring's size and of the other sign; that of a mass alone would be of any size.
+    // A force of the spring's size with the opposite sign; that of a mass alone would be of any size.
     if s.stiffness_n_per_mm.is_some_and(|k| k.value > 0.0)
         && (0.5..2.0).contains(&ratio)
         && correlation(x, f) < -0.9
@@ -192,7 +192,7 @@ fn force_per_motion(model: &Model, r: &Recording) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// A declared damper whose force drives the motion in the place of resisting it.
+/// Refuses a declared damper whose force drives the motion instead of resisting it.
 fn drives(model: &Model, r: &Recording) -> Result<(), Refusal> {
     let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) else {
         return Ok(());
@@ -208,7 +208,7 @@ fn drives(model: &Model, r: &Recording) -> Result<(), Refusal> {
     )))
 }
 
-/// The work that a force takes, over what the same force would take that always resisted.
+/// The work that a force absorbs, relative to that of the same force if it always resisted.
 fn taken(x: &[f64], f: &[f64], interval_s: f64) -> f64 {
     let mean = f.iter().sum::<f64>() / f.len() as f64;
     // Steps of the motion, longer than its noise.
@@ -219,7 +219,7 @@ fn taken(x: &[f64], f: &[f64], interval_s: f64) -> f64 {
     all().sum::<f64>() / all().map(f64::abs).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
-/// The largest correlation of `a` with `b` some samples later, and how many.
+/// Largest correlation of `a` with `b` some samples later, and the number of samples.
 fn later(a: &[f64], b: &[f64], most: usize) -> (usize, f64) {
     let most = most.min(a.len() / 4);
     (0..=most)
@@ -231,8 +231,7 @@ fn later(a: &[f64], b: &[f64], most: usize) -> (usize, f64) {
         )
 }
 
-/// By how much the displacement goes before its command, where it clearly does although the model says that it comes
-/// after it.
+/// Lead of the displacement over its command, if it clearly leads although the model says that it lags.
 fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     let actuator = model.actuator.as_ref()?;
     let value = |d: Option<crate::model::declared::Declared>| d.map_or(0.0, |d| d.value);
@@ -248,7 +247,7 @@ fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     (lead > 0 && clearly).then_some(lead as f64 * interval_s)
 }
 
-/// How long the declared delay and lag take with three tolerances, s, where that is over long before the next sample.
+/// The declared delay and lag plus three tolerances, s, if they are over long before the next sample.
 fn slower_than_declared(model: &Model, interval_s: f64) -> Option<f64> {
     let a = model.actuator.as_ref()?;
     let declared = [a.delay_ms, a.lag_ms].into_iter().flatten();
@@ -256,9 +255,8 @@ fn slower_than_declared(model: &Model, interval_s: f64) -> Option<f64> {
     (longest_s > 0.0 && longest_s < OVER * interval_s).then_some(longest_s)
 }
 
-/// The longest of the stops of `x` where it stands at a rail again and again: at its largest or smallest value while what
-/// drives it goes on in the same direction and comes back. A part that has stopped because its drive has turned (a play, a
-/// hold) is no rail.
+/// The longest stop of `x` if it repeatedly sits at a rail: at its largest or smallest value while its drive goes on in
+/// the same direction and comes back. A part that stopped because its drive reversed (a play, a hold) is not at a rail.
 pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     let (low, high) = x
         .iter()
@@ -285,7 +283,7 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     let Some(drive) = drive else {
         return longest;
     };
-    // Upward like x at the upper rail: of a drive with the other sign the other way round.
+    // Upward, like x at the upper rail; reversed if the drive has the opposite sign.
     let sign = if correlation(x, drive) < 0.0 {
         -1.0
     } else {
@@ -303,7 +301,7 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     longest.filter(|_| most)
 }
 
-/// Whether the declared mass moves so fast that its force, which is against the displacement, may rule.
+/// True if the declared mass moves so fast that its force, opposite to the displacement, may dominate.
 fn may_be_inertia(model: &crate::model::SpecimenModel, x: &[f64], interval_s: f64) -> bool {
     let (Some(k), Some(m)) = (model.stiffness_n_per_mm, model.mass_kg) else {
         return false;
@@ -326,7 +324,7 @@ mod tests {
         let rail: Vec<f64> = late.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
         let stop = clipped(&rail, Some(&drive)).unwrap();
         assert!(rail[stop].iter().all(|x| x.abs() == 0.8));
-        // A play stops where its drive turns; its values at the turns are alike to the last digit that is written.
+        // A play stops where its drive turns; its values at the turns agree to the last written digit.
         let mut at = 0.0_f64;
         let play = |u: &f64| {
             at = at.clamp(u - 0.1, u + 0.1);

@@ -1,4 +1,4 @@
-//! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
+//! One channel of the rig: records in its terms, the declared parameters, and the model's response.
 
 use crate::laws::library;
 use crate::laws::library::saved::fit_of;
@@ -18,13 +18,13 @@ use plant::Channel;
 pub struct Problem {
     /// The records.
     pub segments: Vec<Segment>,
-    /// The parameters that `signals.base` was computed with.
+    /// The parameters with which `signals.base` was computed.
     pub theta: [f64; 4],
-    /// What shapes are measured by.
+    /// Reference sizes for shapes.
     pub scales: Scales,
 }
 
-/// A channel's view of one recording; `motion_mm` is its displacement where that is known better than by its reading.
+/// A channel's view of a recording; `motion_mm` is its displacement if known better than by its reading.
 fn segment(
     base: &Base,
     r: &Recording,
@@ -36,7 +36,7 @@ fn segment(
     if let Some(x) = motion_mm
         && x.len() < whole.time_s.len()
     {
-        // The motion is known from the record's beginning on only.
+        // The motion is only known from the record's beginning.
         (whole, lead) = (r.clone(), 0);
     }
     let displacement = whole.displacement_mm.as_ref()?;
@@ -62,7 +62,7 @@ fn segment(
             )
         }
     };
-    // Only damping and mass feel a corner more than the reading shows it.
+    // Only damping and mass respond to a corner more than the reading shows it.
     let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
     let corners = match &motion {
         Some(m) if feels && motion_mm.is_some() => corners(&m.a),
@@ -93,9 +93,9 @@ fn segment(
 }
 
 impl Problem {
-    /// The channel's view of `recordings`; `None` where a signal is missing. `cutoff_hz` is where displacement ends
-    /// and noise begins (specimen only); `motions` are the displacements, mm, where a model of the actuator tells them
-    /// better than a low-pass of their readings.
+    /// The channel's view of `recordings`; `None` if a signal is missing. `cutoff_hz` separates the displacement from
+    /// its noise (specimen only); `motions` are displacements, mm, where a model of the actuator gives them better than
+    /// low-passed readings.
     pub fn new(
         base: &Base,
         recordings: &[Recording],
@@ -127,7 +127,7 @@ impl Problem {
             theta: base.values,
             scales,
         };
-        // Known effects are relative to the size of the motion, which the actuator's answer then says better.
+        // Known effects are relative to the size of the motion, now better known from the actuator's response.
         problem.measure(base);
         problem.set(base, base.values);
         problem.measure(base);
@@ -148,7 +148,7 @@ impl Problem {
         }
     }
 
-    /// Computes the model's answer anew for other parameters.
+    /// Recomputes the model's response for other parameters.
     pub fn set(&mut self, base: &Base, theta: [f64; 4]) {
         self.theta = theta;
         let transfer = Transfer {
@@ -162,7 +162,7 @@ impl Problem {
             self.scales.declared.delay_s = 1e-3 * base.values[1];
             self.scales.declared.lag_s = 1e-3 * base.values[2];
         }
-        // What effects say relative to the stiffness is meant relative to the true one.
+        // Effects given relative to the stiffness refer to the true one.
         if base.channel == Channel::Specimen && theta[0] > 0.0 {
             self.scales.stiffness = theta[0];
         }
@@ -189,7 +189,7 @@ impl Problem {
         self.add_known(base);
     }
 
-    /// What the model already knows beyond its parameters.
+    /// Adds what the model already knows beyond its parameters.
     fn add_known(&mut self, base: &Base) {
         for element in &base.elements {
             for segment in &mut self.segments {
@@ -220,7 +220,7 @@ impl Problem {
         }
     }
 
-    /// How the answer changes with the free parameters: a column each, segment by segment.
+    /// Change of the response with the free parameters, a column each, segment by segment.
     pub fn base_columns(&self, base: &Base, segment: &Segment) -> Vec<Vec<f64>> {
         let s = &segment.signals;
         let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
@@ -242,7 +242,7 @@ impl Problem {
         base.free.iter().map(column).collect()
     }
 
-    /// Measured less modelled, segment by segment, from the first sample on that is looked at; 0 where nobody measured.
+    /// Measured minus modelled, by segment, from the first sample considered; 0 where nothing was measured.
     pub fn residuals(&self) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {
             let left = difference(s.seen(&s.target), s.seen(&s.signals.base));

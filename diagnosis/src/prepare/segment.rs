@@ -1,4 +1,4 @@
-//! One record as a channel sees it, and which of its samples are judged.
+//! A record as a channel sees it, and which of its samples are judged.
 
 use crate::model::base::Base;
 use crate::numbers::signals::Signals;
@@ -8,38 +8,37 @@ use plant::Channel;
 /// A record as a channel sees it.
 #[derive(Clone, Debug)]
 pub struct Segment {
-    /// What effects are computed from; `base` is that of the present parameters.
+    /// Input to the effects; `base` belongs to the present parameters.
     pub signals: Signals,
-    /// What was measured.
+    /// The measured output.
     pub target: Vec<f64>,
-    /// Samples that are not judged: around corners of the motion, whose force between two samples nobody knows.
+    /// Samples that are not judged: around corners of the motion, where the force between two samples is unknown.
     pub corners: Vec<usize>,
-    /// Samples that nobody measured: no residual is formed there.
+    /// Unmeasured samples: no residual is formed there.
     pub unmeasured: Vec<usize>,
-    /// So many samples lie before the record: what the file holds there, so that the model begins in the state that the rig
-    /// was in.
+    /// Number of samples before the record, taken from the file, so that the model begins in the rig's state.
     pub lead: usize,
-    /// The first sample of the record that is looked at: before it the model forgets how it began.
+    /// First sample of the record that is considered: before it the model forgets its start.
     pub from: usize,
 }
 
 impl Segment {
-    /// What is looked at of a signal.
+    /// The part of a signal that is considered.
     pub fn seen<'x>(&self, x: &'x [f64]) -> &'x [f64] {
         &x[self.from..]
     }
 
-    /// The same without the samples that are not judged.
+    /// That part without the samples that are not judged.
     pub fn judged(&self, x: &[f64]) -> Vec<f64> {
         self.without_corners(self.seen(x).to_vec())
     }
 
-    /// Takes the samples that are not judged out of what is seen of a signal.
+    /// Removes the samples that are not judged from the considered part of a signal.
     pub fn without_corners(&self, seen: Vec<f64>) -> Vec<f64> {
         self.without(&self.corners, self.measured(seen))
     }
 
-    /// Takes the samples that nobody measured out of what is seen of a signal.
+    /// Removes the unmeasured samples from the considered part of a signal.
     pub fn measured(&self, seen: Vec<f64>) -> Vec<f64> {
         self.without(&self.unmeasured, seen)
     }
@@ -51,11 +50,11 @@ impl Segment {
     }
 }
 
-/// No more of a record than this share only settles the model.
+/// Largest fraction of a record that may only settle the model.
 const MOST_SETTLING: f64 = 0.05;
 
-/// How many samples of an actuator's record are not looked at, since a command before them still acts: it begins in mid-motion,
-/// and only the last `lead` samples before it are known.
+/// Number of samples of an actuator's record that are skipped because an earlier command still acts: it begins in
+/// mid-motion, and only the last `lead` samples before it are known.
 pub fn settling(base: &Base, record: &Recording, lead: usize) -> usize {
     let command = record.command_mm.as_ref();
     if base.channel == Channel::Specimen || command.is_none_or(|u| begins_at_rest(u)) {
@@ -66,10 +65,10 @@ pub fn settling(base: &Base, record: &Recording, lead: usize) -> usize {
     whole.saturating_sub(lead).min(most)
 }
 
-/// A corner: over 3 samples to either side the acceleration turns by more than this share of its rms. What a rig is
-/// commanded to turns by a few percent of it.
+/// A corner: over 3 samples to either side the acceleration changes by more than this fraction of its rms. Commands to
+/// a rig change it by a few percent.
 const CORNER: f64 = 0.3;
-/// More corners than this share of the samples are the motion itself.
+/// If corners exceed this fraction of the samples, they are the motion itself.
 const MOSTLY: f64 = 0.2;
 
 /// Samples around the corners of a motion without noise.

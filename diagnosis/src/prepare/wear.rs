@@ -1,4 +1,4 @@
-//! Stiffness that is lost for good: by the largest displacement so far or by the travel, and what cannot be told from it.
+//! Stiffness lost for good, by the largest displacement so far or by travel, and what cannot be told from it.
 
 use crate::criteria::specimen::{EVEN, TOGETHER};
 use crate::model::answer::{ChannelAnswer, FoundEffect};
@@ -13,7 +13,7 @@ fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
     answer.effects.iter().find(lost)
 }
 
-/// A gain that falls with time and a stiffness that falls with the way, where the way grows evenly with time.
+/// A gain that falls with time and a stiffness that falls with travel, if the travel grows evenly with time.
 pub fn deficiency(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
     let tires = |e: &FoundEffect| e.name == Effect::Degradation && e.value("travel_mm").is_some();
     let cools = |e: &FoundEffect| {
@@ -34,7 +34,7 @@ pub fn deficiency(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficie
     })
 }
 
-/// By what share of its way a motion is ahead of an even pace, or behind it, at most; rests before and after are no pauses.
+/// Largest deviation of a motion from an even pace, as a fraction of its travel; rests at its ends are no pauses.
 fn ahead(record: &Recording) -> Option<f64> {
     let moving = rest::without(record);
     let travel = travel::cumulative(moving.displacement_mm.as_ref()?, moving.interval_s())?;
@@ -47,7 +47,7 @@ fn ahead(record: &Recording) -> Option<f64> {
     )
 }
 
-/// Which of the two takes the stiffness, and how much of it.
+/// Which of the two reduces the stiffness, and by how much.
 pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     let effect = damage(answer)?;
     let travel_mm: f64 = train
@@ -69,7 +69,7 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     let both = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
     let one = both.iter().all(|r| *r > TOGETHER);
     let which = match (half_mm, share) {
-        // The mean over the travel of the records.
+        // The mean over the records' travel.
         (Some(half_mm), Some(share)) => format!(
             "The stiffness falls with the way gone, by {} % per metre over the {} m of the training data",
             four(100.0 * share / (travel_mm + half_mm) * 1e3),
@@ -89,7 +89,7 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     Some(format!("{which}{other}."))
 }
 
-/// How far the largest displacement so far goes along with the travel, each moment with the weight of its force.
+/// How closely the largest displacement so far follows the travel, each moment weighted by its force.
 fn together(record: &Recording) -> Option<f64> {
     let x = record.displacement_mm.as_ref()?;
     let travel = travel::cumulative(x, record.interval_s())?;

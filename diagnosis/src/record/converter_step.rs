@@ -1,9 +1,9 @@
-//! The steps of a converter, read off the values themselves.
+//! The steps of a converter, read from the values themselves.
 
-/// Samples for each value of a coarse converter, at least.
+/// Fewest samples per distinct value of a coarse converter.
 const FEW: usize = 100;
 
-/// The step of which the differences of `x` are multiples, where there is one that matters.
+/// The step of which the differences of `x` are multiples, if there is one that matters.
 pub fn step(x: &[f64]) -> Option<f64> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -20,24 +20,24 @@ pub fn step(x: &[f64]) -> Option<f64> {
     let few = gaps.len() * FEW < x.len();
     gaps.sort_by(f64::total_cmp);
     if few && gaps[gaps.len() / 4] > 0.5 * gaps[gaps.len() / 2] {
-        // So few values for so many samples: steps, even if they are not all equal.
+        // So few values for so many samples are steps, even if they are not all equal.
         return Some(whole / gaps.len() as f64).filter(|step| {
             let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
             gaps[gaps.len() / 2] > 0.5 * mean && *step > 0.0
         });
     }
-    // The smallest gap may be a rounding of the file's digits: the tenth percentile is a whole step of a lattice.
+    // The smallest gap may be rounding of the file's digits: the tenth percentile is a whole step of a lattice.
     let guess = gaps[gaps.len() / 10];
     let fits = |q: f64| {
         let near = |g: &&f64| ((**g / q) - (**g / q).round()).abs() < 0.12;
         gaps.iter().take(2000).filter(near).count() as f64 / gaps.len().min(2000) as f64
     };
-    // On a fine lattice the neighbours of a random signal lie one step apart; without one they lie anywhere.
+    // On a fine lattice neighbouring values of a random signal are one step apart; otherwise they lie anywhere.
     (fits(guess) > 0.95 && gaps[gaps.len() / 2] < 40.0 * guess).then_some(guess)
 }
 
-/// By how much the steps of `x` may be wrong: how far its values lie off a lattice of this step, over the steps between
-/// the outermost.
+/// Possible error of the step of `x`: the deviation of its values from a lattice of this step, divided by the number of
+/// steps between the outermost.
 pub fn unevenness(x: &[f64], step: f64) -> f64 {
     let off = |v: &f64| (v - x[0]) - ((v - x[0]) / step).round() * step;
     let farthest = x.iter().map(|v| off(v).abs()).fold(0.0, f64::max);
@@ -56,7 +56,7 @@ mod tests {
         let q = 0.05;
         let rounded: Vec<f64> = x.iter().map(|x| (x / q).round() * q).collect();
         assert!((step(&rounded).unwrap() / q - 1.0).abs() < 1e-6);
-        // Steps that are not all equal.
+        // Unequal steps.
         let uneven: Vec<f64> = (0..20_000)
             .map(|i| (3.0 * (f64::from(i) * 0.01).sin() / q).floor())
             .map(|n| q * (n + 0.1 * (1.7 * n).sin()))

@@ -1,8 +1,8 @@
 //! Gain, transport delay, lag and offset of an actuator, from a record of its command and its displacement.
 //!
-//! The answer `gain lag(delay(u)) + offset` is fitted to the displacement by least squares. What is left over is not
-//! white: the actuator is not quite of first order. The intervals are therefore not taken from the residual's size but
-//! from how far segments of the record pull the result apart.
+//! The response `gain lag(delay(u)) + offset` is fitted to the displacement by least squares. The residual is not
+//! white, since the actuator is not quite first-order. So the intervals are not derived from the size of the residual
+//! but from how far segments of the record pull the result apart.
 
 use crate::numbers::signals::{Transfer, deviation, difference, mean, rms};
 use crate::record::recording::Recording;
@@ -12,19 +12,19 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Longest transport delay, s, and longest lag, s, that are looked for.
+/// Longest transport delay, s, and longest lag, s, considered.
 const LONGEST_S: [f64; 2] = [0.1, 0.2];
-/// Coarse steps over each of these.
+/// Number of coarse steps over each of these.
 const COARSE: usize = 12;
-/// The begin of the record that only settles the model, s; at most a tenth of the record.
+/// Beginning of the record that only settles the model, s; at most a tenth of the record.
 const SETTLE_S: f64 = 0.5;
-/// Segments that the intervals are formed from, and the 95 % point of Student's t for as many.
+/// Number of segments for the intervals, and the 95 % point of Student's t for that number.
 const SEGMENTS: usize = 30;
 const T_95: f64 = 1.699;
-/// A fit that leaves more of the displacement's standard deviation than this explains nothing.
+/// Largest residual of a fit that explains anything, relative to the displacement's standard deviation.
 const WORST_NRMSE: f64 = 0.8;
 const ITERATIONS: usize = 40;
-/// Of a record twice as long as so many samples, so many tell where a fit begins.
+/// If a record is at least twice this long, this many samples determine where a fit starts.
 const LONG: usize = 200_000;
 
 /// What was found. Intervals hold the true value with 90 % confidence.
@@ -53,8 +53,8 @@ pub struct Identified {
 /// Fits an actuator to `recording`.
 ///
 /// # Errors
-/// A record that cannot be used: no command or displacement, too short, at rest, or a displacement that does not follow
-/// its command.
+/// An unusable record: no command or displacement, too short, at rest, or a displacement that does not follow its
+/// command.
 pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
     recording.check()?;
     let name = &recording.name;
@@ -123,7 +123,7 @@ struct TransferFit<'a> {
     measured: &'a [f64],
     interval_s: f64,
     settle: usize,
-    /// Whether somebody measured, for each sample behind those.
+    /// Whether each sample after those was measured.
     judged: Vec<bool>,
 }
 
@@ -133,13 +133,13 @@ impl TransferFit<'_> {
         difference(&self.judged(self.measured), &self.judged(&answer))
     }
 
-    /// What is judged of a signal.
+    /// The judged part of a signal.
     fn judged(&self, whole: &[f64]) -> Vec<f64> {
         let all = whole[self.settle..].iter().zip(&self.judged);
         all.filter_map(|(x, judged)| judged.then_some(*x)).collect()
     }
 
-    /// The model of this delay and lag with the gain and the offset that fit best; and what it leaves, mm^2.
+    /// The model of this delay and lag with the best gain and offset, and its residual squares, mm^2.
     fn with(&self, delay_s: f64, lag_s: f64) -> (Transfer, f64) {
         let unit = Transfer {
             gain: 1.0,
@@ -166,7 +166,7 @@ impl TransferFit<'_> {
         (model, yy - gain * xy)
     }
 
-    /// Where the command moves most, of a record so long that a part of it tells where to begin.
+    /// The part in which the command moves most, for a record so long that a part suffices for the start.
     fn liveliest(&self) -> Self {
         let n = self.measured.len();
         let parts = (0..n).step_by(LONG).map(|i| i..n.min(i + LONG));
@@ -186,7 +186,7 @@ impl TransferFit<'_> {
         }
     }
 
-    /// The best of a coarse grid.
+    /// The best point of a coarse grid.
     fn begin(&self) -> Transfer {
         let at = |k: usize, longest: f64| longest * (k as f64 / COARSE as f64).powi(2);
         let grid = (0..=COARSE).flat_map(|i| (0..=COARSE).map(move |j| (i, j)));
@@ -197,7 +197,7 @@ impl TransferFit<'_> {
         best.map_or_else(|| self.with(0.0, 0.0).0, |(model, _)| model)
     }
 
-    /// Levenberg and Marquardt over delay and lag; gain and offset follow.
+    /// Levenberg-Marquardt over delay and lag; gain and offset follow.
     fn settle_on(&self, begin: Transfer) -> Transfer {
         let (mut best, mut left) = self.with(begin.delay_s, begin.lag_s);
         let mut damping = 1e-3;
@@ -230,11 +230,11 @@ impl TransferFit<'_> {
         best
     }
 
-    /// What the answer changes by with gain, delay, lag and offset, a sample each.
+    /// Derivatives of the response with respect to gain, delay, lag and offset, one vector per sample.
     fn slopes(&self, model: &Transfer) -> Vec<Vector4<f64>> {
         let h = 0.25 * self.interval_s;
         let answer = |m: Transfer| m.answer(self.command, self.interval_s);
-        // A time cannot be negative: there the difference is taken to one side.
+        // A time cannot be negative: near zero the difference is one-sided.
         let apart = |low: Transfer, high: Transfer, width_s: f64| -> Vec<f64> {
             let pairs = answer(low).into_iter().zip(answer(high));
             pairs.map(|(low, high)| (high - low) / width_s).collect()
@@ -272,7 +272,7 @@ impl TransferFit<'_> {
         (normal, slope)
     }
 
-    /// Half widths of the intervals: the segments' pulls, each as a whole, in place of independent samples'.
+    /// Half widths of the intervals, from the pulls of whole segments instead of independent samples.
     fn half_widths(&self, model: &Transfer, residual: &[f64]) -> [f64; 4] {
         let slopes = self.slopes(model);
         let normal: Matrix4<f64> = slopes.iter().map(|s| s * s.transpose()).sum();
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn a_long_record_is_begun_where_it_moves() {
         let moves = chirp(TRUE, 0.0, 4);
-        // 20 s of motion behind 400 of rest.
+        // 20 s of motion after 400 s of rest.
         let rest = 2 * LONG;
         let behind = |rest_mm: f64, x: &Option<Vec<f64>>| {
             let rest = vec![rest_mm; rest];

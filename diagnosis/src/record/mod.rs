@@ -1,4 +1,4 @@
-//! A record as it was taken: its samples and stamps, its rests, its band, and what it refuses.
+//! A record as it was taken: samples and time stamps, rests, band, and reasons to refuse it.
 
 pub mod converter_step;
 pub mod identify;

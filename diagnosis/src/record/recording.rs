@@ -1,12 +1,12 @@
-//! Measured data, in mm, N and s, and whether it can be judged.
+//! Measured data, in mm, N and s, and checks that they can be judged.
 
 use crate::record::refusal::Refusal;
 use crate::record::stamps;
 
-/// A record, or a span of one: equidistant samples, once [`Recording::made_even`] has seen to it.
+/// A record, or a span of one: equidistant samples after [`Recording::made_even`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// Where it comes from, for messages.
+    /// Its source, for messages.
     pub name: String,
     /// Time, s.
     pub time_s: Vec<f64>,
@@ -16,22 +16,21 @@ pub struct Recording {
     pub displacement_mm: Option<Vec<f64>>,
     /// Measured force, N or the file's own unit.
     pub force_n: Option<Vec<f64>>,
-    /// What the file holds before this span: what has memory gets its state from there, and nothing of it is judged.
+    /// What the file holds before this span: it sets the state of what has memory, and is not judged.
     pub before: Option<Box<Recording>>,
-    /// Times of samples that nobody measured, s: a few rows are missing there. The samples lie straight between their
-    /// neighbours, so that what has a memory goes on, and nothing is judged by them.
+    /// Times of unmeasured samples, s: a few rows are missing there. These samples are interpolated linearly, so that
+    /// what has memory continues, and are not judged.
     pub unmeasured_s: Vec<f64>,
-    /// What was done to the samples, and what looks odd about them: sentences for the notes of an answer.
+    /// What was done to the samples, and oddities: sentences for the notes of an answer.
     pub remarks: Vec<String>,
 }
 
-/// One of a record's columns beside its time.
+/// One of a record's columns other than time.
 type Column = fn(&Recording) -> &Option<Vec<f64>>;
 
-/// The shortest record that is judged, samples.
+/// Shortest record that is judged, samples.
 pub const FEWEST_SAMPLES: usize = 50;
-/// Distances between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds, and the other
-/// way round.
+/// Sampling intervals that a rig's logger hardly has, s: milliseconds under a header of seconds, and the reverse.
 const SLOW_S: f64 = 0.5;
 const FAST_S: f64 = 1.9e-5;
 
@@ -41,10 +40,10 @@ impl Recording {
         stamps::interval_s(&self.time_s)
     }
 
-    /// Whether the samples can be used at all.
+    /// Checks that the samples can be used at all.
     ///
     /// # Errors
-    /// Too short; time that does not increase evenly; columns of another length; NaN or infinite values.
+    /// Too short; unevenly increasing time; columns of different lengths; NaN or infinite values.
     pub fn check(&self) -> Result<(), Refusal> {
         self.check_samples()?;
         match self.uneven_at() {
@@ -84,23 +83,23 @@ impl Recording {
         Ok(())
     }
 
-    /// The first sample whose distance from the one before it is not that of the others; `None`: time is even, or as
-    /// even as the digits that it is written with can show.
+    /// The first sample whose interval from the previous one differs from the others; `None` if time is even, or as
+    /// even as its written digits can show.
     pub fn uneven_at(&self) -> Option<usize> {
         stamps::uneven_at(&self.time_s)
     }
 
-    /// The first sample that is not later than the one before it.
+    /// The first sample that is not later than the previous one.
     pub fn backward_at(&self) -> Option<usize> {
         stamps::backward_at(&self.time_s)
     }
 
-    /// The same samples where time is even, else on an even grid, straight between those that were recorded: as many, or
-    /// where rows are missing at the distance of the others, which stay as they are, and those of the grid that nobody measured
-    /// are known as such. What the file holds before them is laid on the same grid, as far back as it has no gap. A remark says so.
+    /// The same samples if time is even, else linearly interpolated on an even grid: as many samples, or, if rows are
+    /// missing, at the usual interval, with the unmeasured grid points known as such. What the file holds before them
+    /// is put on the same grid, back to the last gap in it. A remark says so.
     ///
     /// # Errors
-    /// Too short; time that does not increase, or a gap in it; columns of another length; NaN or infinite values.
+    /// Too short; time that does not increase, or a gap in it; columns of different lengths; NaN or infinite values.
     pub fn made_even(mut self) -> Result<Self, Refusal> {
         self.check_samples()?;
         let mut h = self.interval_s();
@@ -127,17 +126,17 @@ impl Recording {
             ));
         }
         self.before = self.even_before(h);
-        // Of a part that was even already it has been said.
+        // For a part that was already even this has been said.
         let question = self.odd_rate().filter(|q| !self.remarks.contains(q));
         self.remarks.extend(question);
         Ok(self)
     }
 
-    /// What to ask where the samples come at a rate that a rig's logger hardly has.
+    /// The question to ask if the sampling rate is one that a rig's logger hardly has.
     pub fn odd_rate(&self) -> Option<String> {
         let (name, h) = (&self.name, self.interval_s());
         if h >= SLOW_S {
-            // Which of them the header says is not known here.
+            // Which of them the header states is not known here.
             let (units, columns) = match 1e-3 * h >= SLOW_S {
                 true => ("microseconds or milliseconds", "time_us or time_ms"),
                 false => (
@@ -149,7 +148,7 @@ impl Recording {
                 "{name}: samples lie {h:.4} s apart. Is the time in {units}? Then its column is {columns}."
             ));
         }
-        // Seconds under milliseconds, or minutes under seconds.
+        // Seconds under a header of milliseconds, or minutes under one of seconds.
         (h <= FAST_S).then(|| {
             format!(
                 "{name}: samples lie {:.3e} s apart, {:.3e} a second. Is the time in seconds or minutes? Then its column is \
@@ -160,7 +159,7 @@ impl Recording {
         })
     }
 
-    /// What lies before on the grid of these samples, from the last gap or step backward on.
+    /// The earlier samples on the grid of these, from the last gap or backward step on.
     fn even_before(&self, h: f64) -> Option<Box<Self>> {
         let mut earlier = *self.before.clone()?;
         let first = self.time_s[0];
@@ -182,7 +181,7 @@ impl Recording {
         Some(Box::new(earlier))
     }
 
-    /// Other columns of the same name and with the same remarks, each made of the one that it replaces.
+    /// A record with the same name and remarks and other columns, each derived from the one that it replaces.
     fn with_columns(&self, time_s: Vec<f64>, of: impl Fn(Column) -> Option<Vec<f64>>) -> Self {
         Self {
             name: self.name.clone(),
@@ -196,7 +195,7 @@ impl Recording {
         }
     }
 
-    /// These samples and the first one of those that come after them.
+    /// These samples and the first one of those that follow them.
     fn and_one_of(&self, next: &Self) -> Self {
         let time_s = [self.time_s.as_slice(), &next.time_s[..1]].concat();
         self.with_columns(time_s, |column| {
@@ -231,17 +230,17 @@ impl Recording {
         )
     }
 
-    /// The part between two times, s, of which only the first belongs to it: parts that touch share no sample. What
-    /// lies before it stays known as [`Recording::before`].
+    /// The part between two times, s, of which only the first is included: adjoining parts share no sample. What
+    /// precedes it stays available as [`Recording::before`].
     pub fn span(&self, from_s: f64, to_s: f64) -> Self {
-        // A thousandth of an interval of room: times that were worked out are not exact to the last bit.
+        // Allow a thousandth of an interval: computed times are not exact to the last bit.
         let room = 1e-3 * self.interval_s();
         let first = self.time_s.partition_point(|t| *t < from_s - room);
         let end = self.time_s.partition_point(|t| *t < to_s - room);
         self.slice(first, end.max(first))
     }
 
-    /// What was recorded before sample `first`.
+    /// The samples recorded before sample `first`.
     fn before_sample(&self, first: usize) -> Option<Box<Self>> {
         if first == 0 {
             return self.before.clone();
@@ -272,18 +271,18 @@ impl Recording {
         }
     }
 
-    /// Largest displacement either way of what the file holds before these samples, mm: what damage remembers.
+    /// Largest earlier displacement in the file in either direction, mm: what damage remembers.
     pub fn largest_before_mm(&self) -> f64 {
         let past = self.before.as_deref();
         let x = past.and_then(|b| b.displacement_mm.as_deref());
-        // A hole in the record is passed over: the larger of a number and NaN is the number.
+        // A hole in the record is skipped: the larger of a number and NaN is the number.
         x.unwrap_or_default()
             .iter()
             .fold(0.0, |largest, x| x.abs().max(largest))
     }
 
-    /// These samples behind those that the file holds before them, no more than they are themselves, and how many those are.
-    /// None where the file has another channel there.
+    /// These samples preceded by those that the file holds before them, no more than their own number, and how many
+    /// that is. None if the file has different channels there.
     pub fn behind_its_past(&self) -> (Self, usize) {
         let has = |b: &&Self| {
             let [own, past] = [self, b]
@@ -312,10 +311,10 @@ impl Recording {
         (whole, lead)
     }
 
-    /// These samples behind a run-up that sets the state of what has memory, and the run-up's length: what the file
-    /// holds before them, else, of a record that begins in mid-motion, a part of the record itself that ends as
-    /// the record begins (same place, same way and speed of the channel that `input` picks). Only `input`'s channel is
-    /// to be used in such a run-up.
+    /// These samples after a run-up that sets the state of what has memory, and the run-up's length: what the file
+    /// holds before them, or, for a record that begins in mid-motion, a part of the record itself that ends as the
+    /// record begins (same position, direction and speed of the channel that `input` picks). Only `input`'s channel may
+    /// be used in such a run-up.
     pub fn with_run_up(&self, input: impl Fn(&Self) -> Option<&Vec<f64>>) -> (Self, usize) {
         let run_up = match &self.before {
             Some(before) => Some(before.as_ref().clone()),
@@ -338,11 +337,11 @@ impl Recording {
     }
 }
 
-/// A record that moves over less than this share of its range in its first moments begins at rest.
+/// A record that moves by less than this fraction of its range in its first moments begins at rest.
 const AT_REST: f64 = 0.02;
-/// The first moments: this share of it.
+/// The first moments: the record's length divided by this.
 const FIRST: usize = 50;
-/// How far a later moment may be from the first one, of the rms of place and speed.
+/// Largest deviation of a later moment from the first, relative to the rms of position and speed.
 const ALIKE: f64 = 0.15;
 
 /// Whether a signal hardly moves in its first moments.
@@ -350,12 +349,12 @@ pub(crate) fn begins_at_rest(x: &[f64]) -> bool {
     range(&x[..(x.len() / FIRST).max(2)]) < AT_REST * range(x)
 }
 
-/// The latest sample at which a signal is most like at its first: in place, and in way and speed. `None`: it begins
-/// at rest, or comes back to no such moment.
+/// The latest sample at which a signal is most like its start, in position, direction and speed. `None` if it begins at
+/// rest, or never returns to such a moment.
 fn like_the_start(x: &[f64]) -> Option<usize> {
     let n = x.len();
     let mean = x.iter().sum::<f64>() / n as f64;
-    // Speeds over a few samples, behind which noise does not hide them.
+    // Speeds over several samples, so that noise does not hide them.
     let over = (n / 400).clamp(1, 10);
     let speed = |i: usize| (x[i + over] - x[i]) / over as f64;
     let rms = |of: &dyn Fn(usize) -> f64| {
@@ -375,7 +374,7 @@ fn like_the_start(x: &[f64]) -> Option<usize> {
     (how_far < ALIKE).then_some(best)
 }
 
-/// Largest less smallest value.
+/// Largest minus smallest value.
 pub(crate) fn range(x: &[f64]) -> f64 {
     let (low, high) = x
         .iter()
@@ -383,7 +382,7 @@ pub(crate) fn range(x: &[f64]) -> f64 {
     high - low
 }
 
-/// Correlation coefficient; 0 where one of them stands still.
+/// Correlation coefficient; 0 if one of them is constant.
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let mean = |x: &[f64]| x[..n].iter().sum::<f64>() / n as f64;
@@ -437,7 +436,7 @@ mod tests {
         );
     }
 
-    /// Stamps that wander by some 40 % of an interval, of a sine.
+    /// Time stamps that wander by some 40 % of an interval, with a sine.
     fn uneven() -> Recording {
         let stamp = |i: usize| 1e-3 * (i as f64 + 0.4 * (i as f64 * 1.7).sin());
         let time_s: Vec<f64> = (0..2000).map(stamp).collect();
@@ -525,7 +524,7 @@ mod tests {
         let (joined, n) = wave(0.0).with_run_up(|r| r.displacement_mm.as_ref());
         let x = joined.displacement_mm.as_ref().unwrap();
         assert!(n > 200 && x.len() == 4000 + n);
-        // Place and speed go on as if nothing had been put before.
+        // Position and speed continue as if nothing had been prepended.
         assert!((x[n] - 2.0 * x[n - 1] + x[n - 2]).abs() < 0.02);
         assert!((joined.time_s[n]).abs() < 1e-9);
         // One that begins at rest needs none, and one with samples before it takes those.

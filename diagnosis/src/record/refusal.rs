@@ -1,4 +1,4 @@
-//! Why data or a model cannot be judged at all.
+//! Reasons why data or a model cannot be judged at all.
 
 use std::fmt;
 

@@ -1,11 +1,11 @@
-//! Where nothing moves.
+//! Detects where nothing moves.
 
 use crate::numbers::signals::deviation;
 use crate::record::recording::{Recording, range};
 
-/// The shortest rest that tells the noise, s.
+/// Shortest rest that determines the noise, s.
 const SHORTEST_S: f64 = 0.5;
-/// What a rig rings on for after its command has come to rest, s.
+/// Time for which a rig keeps ringing after its command has come to rest, s.
 const SETTLING_S: f64 = 0.5;
 
 /// Samples `first..end` of rest before and after the motion of a record.
@@ -31,7 +31,7 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
         spans.push((n - after, n));
     }
     spans.retain(|&(a, b)| !swings(&activity[a..b], whole));
-    // What moves more at one end than at the other is not at rest there.
+    // A part that moves more at one end than at the other is not at rest there.
     let quietest = spans
         .iter()
         .map(|&(a, b)| deviation(&activity[a..b]))
@@ -41,9 +41,9 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
     spans
 }
 
-/// The record without the rests before and after its motion, which stay known as what was before. What sticks in a rest
-/// holds the force that the last motions left, also those that are smaller than the displacement's noise: a rest tells
-/// noise and offset, and no law of a force with memory.
+/// The record without the rests before and after its motion, which stay available as its past. In a rest, friction that
+/// sticks holds the forces left by the last motions, even those smaller than the displacement's noise: a rest shows
+/// noise and offset, but no law of a force with memory.
 pub fn without(recording: &Recording) -> Recording {
     let part = moving(recording);
     if part.len() == recording.time_s.len() {
@@ -69,10 +69,10 @@ pub fn moving(recording: &Recording) -> std::ops::Range<usize> {
     first..end
 }
 
-/// A record's motion is at least one in so many of its samples.
+/// The motion takes at least one in this many of a record's samples.
 const LEAST_MOTION: usize = 8;
 
-/// Whether a small movement is smooth: a structure that still rings, not the noise of one that stands.
+/// True if a small movement is smooth: a structure that still rings, not the noise of one at rest.
 fn swings(x: &[f64], whole: f64) -> bool {
     let rms = deviation(x);
     let n = x.len() as f64;
@@ -80,7 +80,7 @@ fn swings(x: &[f64], whole: f64) -> bool {
     rms > 2e-3 * whole && step < 0.1 * rms
 }
 
-/// How many samples from one end on stand still.
+/// Number of constant samples from one end on.
 fn still<'a>(samples: impl Iterator<Item = &'a f64>, n: usize, interval_s: f64) -> usize {
     let x: Vec<f64> = samples.copied().collect();
     let head = ((0.25 / interval_s) as usize).clamp(8, n);
@@ -97,31 +97,31 @@ fn still<'a>(samples: impl Iterator<Item = &'a f64>, n: usize, interval_s: f64) 
         .iter()
         .position(|x| (x - median).abs() > room)
         .unwrap_or(n);
-    // The last moments may be the start of the motion, still inside the room.
+    // The last moments may be the start of the motion, still within the tolerance.
     moved.saturating_sub((0.1 / interval_s) as usize)
 }
 
-/// A motion that repeats itself.
+/// A periodic motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Periodic {
     /// Period, samples.
     pub period: usize,
-    /// First sample from which on, and sample up to which, one period is like the one before.
+    /// First sample of the part in which each period is like the one before.
     pub from: usize,
     /// Its end.
     pub end: usize,
 }
 
-/// How far, of its own rms, a motion may differ from one period to the next.
+/// Largest rms difference between successive periods of a motion, relative to its own rms.
 const LIKE: f64 = 0.05;
 
-/// The longest part of a signal that repeats itself at least three times.
+/// The longest part of a signal that repeats at least three times.
 pub fn periodic(x: &[f64]) -> Option<Periodic> {
     let n = x.len();
     let mean = x.iter().sum::<f64>() / n as f64;
     let x: Vec<f64> = x.iter().map(|x| x - mean).collect();
     let rms = (x.iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt();
-    // Upward, and only after it has been well below: noise crosses back and forth.
+    // Upward crossings, and only after it was well below: noise crosses back and forth.
     let below = -0.2 * range(&x);
     let (mut ready, mut crossings) = (false, Vec::new());
     for i in 1..n {
@@ -143,7 +143,7 @@ pub fn periodic(x: &[f64]) -> Option<Periodic> {
         .max_by_key(|found| found.end - found.from)
 }
 
-/// The longest run of whole periods that are like the one before.
+/// The longest run of whole periods that are each like the one before.
 fn steady(x: &[f64], period: usize, room: f64) -> Option<Periodic> {
     let differs = |from: usize| {
         let square = |i: usize| (x[i] - x[i - period]).powi(2);
@@ -167,13 +167,13 @@ fn steady(x: &[f64], period: usize, room: f64) -> Option<Periodic> {
     })
 }
 
-/// Parts of a period that changes are judged by.
+/// Number of parts of a period by which differences are judged.
 const PARTS: usize = 12;
-/// A part whose mean square is so many times the median is no noise: there the motion did not repeat itself to the sample,
-/// and a force that jumps shows it.
+/// A part whose mean square exceeds this multiple of the median is not noise: the motion did not repeat exactly there,
+/// which a force that jumps reveals.
 const LOUD: f64 = 4.0;
 
-/// Of what one period differs by from the next, the segments that are as quiet as most.
+/// The segments of differences between periods that are as quiet as most.
 pub fn quiet(changes: &[f64], period: usize) -> Vec<Vec<f64>> {
     let length = (period / PARTS).max(16).min(changes.len().max(1));
     let square = |c: &[f64]| c.iter().map(|x| x * x).sum::<f64>() / c.len() as f64;
@@ -227,7 +227,7 @@ mod tests {
             (8400..=8700).contains(&found[1].0) && found[1].1 == 10_000,
             "{found:?}"
         );
-        // A structure that rings on is not at rest, however little it moves.
+        // A structure that still rings is not at rest, however little it moves.
         let mut rings = r;
         for (i, u) in rings.command_mm.iter_mut().flatten().enumerate() {
             let late = (i as f64 * h - 8.0).max(0.0);

@@ -1,4 +1,4 @@
-//! A measured displacement without its noise, with its derivatives: what forces depend on.
+//! A measured displacement without its noise, with its derivatives: the input of the forces.
 
 use crate::numbers::signals::derivative;
 use fourier::Complex;
@@ -16,7 +16,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Of a displacement without noise.
+    /// From a displacement without noise.
     pub fn of(x: &[f64], interval_s: f64) -> Self {
         let v = derivative(x, interval_s);
         let a = derivative(&v, interval_s);
@@ -28,8 +28,8 @@ impl Motion {
     }
 }
 
-/// Low-pass without phase and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends
-/// meet with equal slope. `cutoff_hz` is where the amplitude has fallen to a half.
+/// Zero-phase low-pass and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends meet
+/// with equal slope. `cutoff_hz` is the frequency at which the amplitude has fallen to a half.
 pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
     let n = x.len();
     let pad = (n - 1).min((2.0 / interval_s / cutoff_hz) as usize + 8);
@@ -37,7 +37,7 @@ pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
     let mut series: Vec<f64> = (1..=pad).rev().map(|i| odd(x[0], x[i])).collect();
     series.extend_from_slice(x);
     series.extend((1..=pad).map(|i| odd(x[n - 1], x[n - 1 - i])));
-    // A straight line from end to end is taken off, so that the period closes.
+    // Remove a straight line from end to end, so that the period closes.
     let m = series.len();
     let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
     let mut spectrum: Vec<Complex<f64>> = series
@@ -69,7 +69,7 @@ pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
     Motion { x, v, a }
 }
 
-/// 1 to 0.7 of the cut-off, 0 from 1.3 of it on, a half cosine between: no ringing to speak of.
+/// 1 up to 0.7 of the cut-off, 0 from 1.3 of it on, with half a cosine between: hardly any ringing.
 fn low_pass(relative: f64) -> f64 {
     match (relative - 0.7) / 0.6 {
         r if r <= 0.0 => 1.0,
@@ -78,7 +78,7 @@ fn low_pass(relative: f64) -> f64 {
     }
 }
 
-/// The frequency above which `x` is noise of `noise_rms` only, Hz; between 5 Hz and 0.3 of the sampling rate.
+/// The frequency above which `x` is only noise of `noise_rms`, Hz; between 5 Hz and 0.3 of the sampling rate.
 pub fn bandwidth_hz(x: &[f64], interval_s: f64, noise_rms: f64) -> f64 {
     let (n, rate) = (x.len(), 1.0 / interval_s);
     let mean = x.iter().sum::<f64>() / n as f64;
@@ -101,7 +101,7 @@ pub fn bandwidth_hz(x: &[f64], interval_s: f64, noise_rms: f64) -> f64 {
     (1.5 * edge).clamp(5.0_f64.min(0.3 * rate), 0.3 * rate)
 }
 
-/// Windows that an averaged periodogram is the mean of.
+/// Number of windows averaged in a periodogram.
 const WINDOWS: usize = 30;
 
 /// An averaged periodogram.
@@ -109,12 +109,12 @@ const WINDOWS: usize = 30;
 pub struct Density {
     /// Power over frequency, unit^2 / Hz, one-sided.
     pub power: Vec<f64>,
-    /// From one to the next, Hz.
+    /// Bin width, Hz.
     pub bin_hz: f64,
 }
 
 impl Density {
-    /// Hann windows that overlap by half, each without its mean; `None` where the record is too short for them.
+    /// Half-overlapping Hann windows, each without its mean; `None` if the record is too short for them.
     pub fn of(x: &[f64], interval_s: f64) -> Option<Self> {
         let length = 2 * x.len() / (WINDOWS + 1);
         if length < 16 {
@@ -162,20 +162,20 @@ pub fn periodogram(x: &[f64]) -> Vec<f64> {
     bins[..n / 2].iter().map(Complex::norm_sqr).collect()
 }
 
-/// Share of the speed's power that lies below the band's end.
+/// Fraction of the speed's power below the band's end.
 const BAND: f64 = 0.9;
-/// What rises less than this above the floor of a reading is its noise.
+/// What exceeds the floor of a reading by less than this is its noise.
 const FLOOR: f64 = 6.0;
-/// Power of a converter's steps, over that of an even distribution of its error: holds that lie between two of them have more.
+/// Power of a converter's steps relative to an even distribution of its error: holding between two steps adds power.
 const STEPS: f64 = 2.0;
 
-/// Where the motion ends: 90 % of the power of its speed lies below, Hz; the noise of its reading is taken off.
+/// Upper end of the motion's band: 90 % of its speed's power lie below, Hz; without the noise of its reading.
 pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     let Density { power, bin_hz } = Density::of(x, interval_s)?;
     let mut upper = power[power.len() / 2..].to_vec();
     upper.sort_by(f64::total_cmp);
     let floor = FLOOR * upper[upper.len() / 2];
-    // Nor is it motion above where there is no more power than a converter's steps make; of a ramp these are lines.
+    // Nor is it motion if it has no more power than converter steps make; for a ramp these are lines.
     let steps = crate::record::converter_step::step(x).map_or(0.0, |q| STEPS * q * q / 12.0);
     let mut above = 0.0;
     let last = power.iter().rposition(|p| {
@@ -196,7 +196,7 @@ pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     Some((end + 1) as f64 * bin_hz)
 }
 
-/// Frequency of the strongest line between two frequencies and its power over the median there.
+/// Frequency of the strongest line between two frequencies, and its power over the median there.
 pub fn line_hz(x: &[f64], interval_s: f64, from_hz: f64, to_hz: f64) -> Option<(f64, f64)> {
     let n = x.len();
     let bin_hz = 1.0 / (n as f64 * interval_s);

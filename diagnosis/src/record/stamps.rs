@@ -1,35 +1,35 @@
-//! Time stamps: whether they are even, and samples on an even grid where they are not.
+//! Time stamps: whether they are even, and resampling on an even grid if they are not.
 
 use crate::record::refusal::Refusal;
 
-/// The largest deviation of an interval from the mean, relative, that counts as even.
+/// Largest deviation of an interval from the mean that counts as even, relative.
 const JITTER: f64 = 0.05;
-/// Samples over which the number of digits is read off.
+/// Number of samples from which the number of digits is read.
 const BLOCK: usize = 100;
-/// So many rows in a row may be missing and are no gap: a logger that is late now and then. What has a memory goes on over them
-/// along the line between their neighbours; nothing is judged by them.
+/// Largest number of consecutive missing rows that is no gap: a logger that is late now and then. What has memory
+/// continues linearly between their neighbours; nothing is judged by them.
 const BRIDGED: f64 = 20.0;
-/// A step that is longer than so many usual ones has rows missing in it, where the others show it.
+/// A step longer than this many usual ones lacks rows, if the other steps show it.
 const LONG: f64 = 1.5;
-/// A step is a whole number of usual ones to this share of one.
+/// Tolerance for a step to be a whole number of usual ones, as a fraction of one.
 const WHOLE: f64 = 0.1;
-/// A time of a grid that is no further than this share of its interval from a sample is that sample's.
+/// A grid time within this fraction of its interval from a sample is that sample's.
 const CLOSE: f64 = 0.25;
-/// Steps of a logger of one rate are whole to this share.
+/// Fraction of a logger's steps that are whole if it has a single rate.
 const MOST_WHOLE: f64 = 0.9;
-/// Share of the steps by which their scatter is judged.
+/// Fraction of the steps by which their scatter is judged.
 const MOST_REGULAR: f64 = 0.9;
-/// A gap is longer than so many mean intervals and than this share of the record.
+/// A gap is longer than this many mean intervals and than this fraction of the record.
 const GAP: (f64, f64) = (20.0, 0.05);
 
-/// Mean distance of two samples, s.
+/// Mean sampling interval, s.
 pub fn interval_s(time_s: &[f64]) -> f64 {
     let n = time_s.len();
     (time_s[n - 1] - time_s[0]) / (n - 1) as f64
 }
 
-/// The first sample whose distance from the one before it is not that of the others; `None`: time is even, or as even
-/// as the digits that it is written with can show.
+/// The first sample whose interval from the previous one differs from the others; `None` if time is even, or as even as
+/// its written digits can show.
 pub fn uneven_at(time_s: &[f64]) -> Option<usize> {
     let mean = interval_s(time_s);
     let uneven = |pair: &[f64]| {
@@ -40,7 +40,7 @@ pub fn uneven_at(time_s: &[f64]) -> Option<usize> {
     (!rounded(time_s)).then_some(first)
 }
 
-/// The first sample that is not later than the one before it.
+/// The first sample that is not later than the previous one.
 pub fn backward_at(time_s: &[f64]) -> Option<usize> {
     let later = |pair: &[f64]| pair[1] > pair[0];
     time_s
@@ -49,9 +49,9 @@ pub fn backward_at(time_s: &[f64]) -> Option<usize> {
         .map(|i| i + 1)
 }
 
-/// The samples before which rows are missing: steps that are longer than the usual one by more than their own scatter, and
-/// by more than the digits that time is written with can make of an even one: with no finer digits than the step itself one row
-/// in thousands is a clock that is a little slow. Empty where time is even.
+/// The samples before which rows are missing: steps that exceed the usual one by more than their own scatter, and by
+/// more than the written digits can add to an even one. With no finer digits than the step itself, one row in thousands
+/// is a slightly slow clock. Empty if time is even.
 pub fn missing_rows(time_s: &[f64]) -> Vec<usize> {
     if time_s.len() < 3 || uneven_at(time_s).is_none() {
         return Vec::new();
@@ -67,7 +67,7 @@ pub fn missing_rows(time_s: &[f64]) -> Vec<usize> {
         !time_s.iter().any(odd)
     });
     let digit = 1.1 * unit.unwrap_or(0.0);
-    // Where rounding to the last digit explains all shorter steps, only longer ones are rows that are missing.
+    // If rounding to the last digit explains all shorter steps, only longer ones are missing rows.
     let beyond_digits = longer(usual + digit.max((LONG - 1.0) * usual));
     let edges = [&[0], &beyond_digits[..], &[time_s.len()]].concat();
     let even = |e: &[usize]| e[1] - e[0] < 3 || uneven_at(&time_s[e[0]..e[1]]).is_none();
@@ -95,7 +95,7 @@ pub fn gaps(time_s: &[f64]) -> Vec<usize> {
     missing
 }
 
-/// Those of the times of a grid that nobody measured: inside a step over a missing row, and not close to either end of it.
+/// Unmeasured times of a grid: inside a step over a missing row, and not close to either end of it.
 pub fn unmeasured(time_s: &[f64], times: &[f64], interval_s: f64) -> Vec<f64> {
     let inside = |pair: &[f64]| {
         let (from, to) = (pair[0] + CLOSE * interval_s, pair[1] - CLOSE * interval_s);
@@ -108,20 +108,20 @@ pub fn unmeasured(time_s: &[f64], times: &[f64], interval_s: f64) -> Vec<f64> {
     holes.flat_map(inside).copied().collect()
 }
 
-/// The usual distance of two samples, s: the mean of the steps near the median, which missing rows do not change.
+/// The usual sampling interval, s: the mean of the steps near the median, which missing rows do not affect.
 pub fn usual_interval_s(time_s: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     steps.retain(|step| (step / median - 1.0).abs() < LONG - 1.0);
     if steps.is_empty() {
-        // Times of few digits stand still for some samples and then take a step of the last digit.
+        // Times with few digits stay constant for some samples and then step by the last digit.
         return interval_s(time_s);
     }
     steps.iter().sum::<f64>() / steps.len() as f64
 }
 
-/// Where nothing was recorded for too long to be bridged: the sample after it.
+/// The sample after the first interruption that is too long to be bridged.
 pub fn gap_at(time_s: &[f64]) -> Option<usize> {
     let mean = interval_s(time_s);
     let whole = mean * (time_s.len() - 1) as f64;
@@ -130,16 +130,16 @@ pub fn gap_at(time_s: &[f64]) -> Option<usize> {
     at.map(|i| i + 1)
 }
 
-/// Times that increase by `interval_s`, from `from_s` to at most the last of `time_s`.
+/// Times at intervals of `interval_s`, from `from_s` to at most the last of `time_s`.
 pub fn grid(from_s: f64, time_s: &[f64], interval_s: f64) -> Vec<f64> {
-    // A thousandth of room: the last sample belongs to the grid that was laid through it.
+    // Allow a thousandth: the last sample belongs to the grid laid through it.
     let steps = ((time_s[time_s.len() - 1] - from_s) / interval_s + 1e-3).floor();
     (0..=steps.max(0.0) as usize)
         .map(|i| from_s + i as f64 * interval_s)
         .collect()
 }
 
-/// Values at other times, straight between samples; `time_s` increases.
+/// Values at other times, linear between samples; `time_s` increases.
 pub fn at_times(time_s: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
     let mut i = 0;
     let value = |&t: &f64| {
@@ -152,7 +152,7 @@ pub fn at_times(time_s: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
     times.iter().map(value).collect()
 }
 
-/// Refuses times that no grid can be laid through.
+/// Refuses times through which no grid can be laid.
 pub fn refuse_unusable(name: &str, time_s: &[f64]) -> Result<(), Refusal> {
     if let Some(i) = backward_at(time_s) {
         return Err(Refusal::new(format!(
@@ -172,7 +172,7 @@ pub fn refuse_unusable(name: &str, time_s: &[f64]) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Whether times are those of a uniform grid, rounded to the digits that they are written with.
+/// True if times are those of a uniform grid, rounded to their written digits.
 fn rounded(time_s: &[f64]) -> bool {
     let n = time_s.len() as f64;
     let middle = 0.5 * (n - 1.0);
@@ -184,7 +184,7 @@ fn rounded(time_s: &[f64]) -> bool {
         variance += x * x;
     }
     let slope = covariance / variance;
-    // Powers of ten only: that is what rounding leaves.
+    // Powers of ten only: that is how rounding looks.
     let unit = |times: &[f64]| {
         let whole = |u: f64| {
             let odd = |t: &f64| (t / u - (t / u).round()).abs() > 1e-6;
@@ -237,7 +237,7 @@ mod tests {
         let near = |(a, b): (&f64, f64)| (a - b).abs() < 1e-9;
         assert!(unmeasured.len() == 201 && unmeasured.iter().zip(lost).all(near));
         assert!((usual_interval_s(&even) - 1.003e-3).abs() < 1e-12);
-        // 970 Hz in milliseconds takes two of them now and then.
+        // 970 Hz in milliseconds occasionally takes two of them.
         let rounded: Vec<f64> = rows().map(|i| (i as f64 / 0.97).round() * 1e-3).collect();
         assert_eq!(gaps(&rounded), [500]);
         let scattered: Vec<f64> = rows()

@@ -1,18 +1,18 @@
-//! The way that a motion goes.
+//! The travel of a motion.
 
 use crate::numbers::operators::travel;
 use crate::record::recording::Recording;
 use crate::record::spectrum::{motion_band_hz, smooth};
 
-/// Above so many times the band of a motion nothing of its way is left.
+/// Multiple of a motion's band above which nothing contributes to its travel.
 const BAND: f64 = 6.0;
-/// No cut-off above this share of the sampling rate.
+/// Largest cut-off, as a fraction of the sampling rate.
 const MOST_RATE: f64 = 0.4;
 
-/// Fewer samples go no way that could be told.
+/// Fewest samples that determine a travel.
 const LEAST: usize = 16;
 
-/// Velocity of a motion without its noise, which goes a way of its own.
+/// Velocity of a motion without its noise, whose own travel would add up.
 fn velocity(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
     if x.len() < LEAST {
         return None;
@@ -21,12 +21,12 @@ fn velocity(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
     Some(smooth(x, interval_s, (BAND * band_hz).min(MOST_RATE / interval_s)).v)
 }
 
-/// Travel up to each sample, mm; `None` where nothing moves.
+/// Travel up to each sample, mm; `None` if nothing moves.
 pub fn cumulative(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
     Some(travel(&velocity(x, interval_s)?, interval_s, 0.0).collect())
 }
 
-/// Travel in what a file holds before a span, but for its `last` samples, mm: what fatigue remembers.
+/// Travel in the file before a span, except its `last` samples, mm: what fatigue remembers.
 pub fn before_mm(span: &Recording, last: usize) -> f64 {
     let past = span.before.as_deref();
     let x = past.and_then(|b| b.displacement_mm.as_deref());
@@ -61,7 +61,7 @@ mod tests {
             ..Recording::default()
         };
         let span = past.slice(15_000, 20_000);
-        // Ten cycles and a half of 20 mm less the last five seconds.
+        // Ten and a half cycles of 20 mm, less the last five seconds.
         let travel = before_mm(&span, 5000);
         assert!((travel / 100.0 - 1.0).abs() < 0.02, "{travel}");
         assert_eq!(before_mm(&past, 0), 0.0);

@@ -1,10 +1,10 @@
-//! Samples of a record that nobody measured: nothing is judged by them.
+//! Unmeasured samples of a record: nothing is judged by them.
 
 use crate::numbers::signals::{clear, difference};
 use crate::record::recording::Recording;
 
 impl Recording {
-    /// The samples that nobody measured.
+    /// The unmeasured samples.
     pub fn unmeasured(&self) -> Vec<usize> {
         let room = 0.5 * self.interval_s();
         let at = |t: &f64| {
@@ -15,7 +15,7 @@ impl Recording {
         self.unmeasured_s.iter().filter_map(at).collect()
     }
 
-    /// Measured less modelled, both of all samples: 0 where nobody measured.
+    /// Measured minus modelled, both over all samples: 0 where nothing was measured.
     pub(crate) fn residual(&self, measured: &[f64], modelled: &[f64]) -> Vec<f64> {
         let mut left = difference(measured, modelled);
         clear(&mut left, &self.unmeasured());

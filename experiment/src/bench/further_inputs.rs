@@ -1,4 +1,4 @@
-//! What a board records beside displacement and force: no part of the test depends on it, and it shows what is broken.
+//! What a board records in addition to displacement and force: the test does not depend on it, but it reveals faults.
 
 use link::channel::ChannelCalibration;
 use link::reply::Identity;
@@ -9,12 +9,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Offsets of an output and of what reads it back, as a share of the converter's range, that are no fault: the chip's own DAC
-/// and ADC have 12 and 5 codes of 4095 by the data sheet; what is behind resistors or has 16 bits has less.
+/// Offset of an output and of its read-back that is no fault, as a fraction of the converter's range: the chip's own
+/// DAC and ADC have 12 and 5 codes of 4095 by the data sheet; converters behind resistors or of 16 bits have less.
 const OFFSET_SHARE: f64 = 0.005;
-/// What remains of it since the test began, where it does not count: some codes of 12 bits.
+/// Allowed change of that offset since the test began: some codes of 12 bits.
 const DRIFT_SHARE: f64 = 0.001;
-/// Their gains, as a share of the command.
+/// Allowed gain error, as a fraction of the command.
 const GAIN_SHARE: f64 = 0.01;
 
 /// The further inputs of a running test.
@@ -44,11 +44,11 @@ pub struct FurtherInputs {
     rows: Vec<Row>,
 }
 
-/// A control step: its number, the commands in force, m, NaN where they are not known, and the codes of the inputs.
+/// A control step: its number, the active commands, m, NaN if unknown, and the input codes.
 type Row = (u32, [f32; MAX_ACTUATORS], [u16; MAX_INPUTS]);
 
 impl FurtherInputs {
-    /// Of a board; `None` if it has none.
+    /// For a board; `None` if it has no such inputs.
     pub fn of(identity: &Identity) -> Option<Self> {
         let lines: Vec<ChannelCalibration> = identity.calibrations().map(|c| c.command).collect();
         (!identity.inputs.is_empty()).then(|| Self {
@@ -64,7 +64,7 @@ impl FurtherInputs {
         })
     }
 
-    /// A control step of the running test. `command_m`: the commands that were in force, of as many actuators as are known.
+    /// Adds a control step of the running test. `command_m`: the active commands, for as many actuators as are known.
     pub fn add_step(&mut self, tick: u32, command_m: &[f32], step: &StepReport) {
         let known = |actuator: usize| command_m.get(actuator).copied().unwrap_or(f32::NAN);
         self.rows
@@ -99,7 +99,7 @@ impl FurtherInputs {
         }
     }
 
-    /// Compares the commands that left the board with those that were sent, and says what that means for a test that tripped.
+    /// Compares the commands that left the board with those sent, and explains the result for a test that tripped.
     pub fn sentence(&self, trip: Option<Fault>) -> Option<String> {
         let worst_m = self.command_off_m?;
         let several = self.lines.len() > 1;
@@ -133,8 +133,8 @@ impl FurtherInputs {
         })
     }
 
-    /// As a table: time since the first step, the commands as sent, and each input. A number behind a quantity is its
-    /// actuator's, from the second on.
+    /// As a table: time since the first step, the commands as sent, and each input. From the second actuator on, its
+    /// number follows the quantity.
     pub fn to_csv(&self, rate_hz: f64) -> String {
         let number = |actuator: usize| match actuator {
             0 => String::new(),
@@ -264,7 +264,7 @@ mod tests {
         let code = |m: f32| (m / line.per_code + line.zero_code + 0.5) as u16;
         let mut now = step(0.004, code(0.004));
         now.inputs = [code(0.004), code(0.003), 32_768, 0, 0];
-        // Of a step that was not worked out again only the first actuator's command is known.
+        // For a step that was not recomputed only the first actuator's command is known.
         three.add_step(9, &[0.004], &now);
         assert_eq!(three.commands_off_m[1..], [None, None]);
         assert!(three.sentence(None).unwrap().starts_with("Each actuator"));

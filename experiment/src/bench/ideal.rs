@@ -1,18 +1,18 @@
-//! What a test is compared with: core's integration on the simulated specimen, without anything between them.
+//! The reference for a test: core's integration on the simulated specimen, without anything in between.
 
 use crate::failure::Failure;
 use crate::trace::Response;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::{Config, Design, GroundMotion, IdealTest};
 
-/// Tests that are run in turn: what one waits for is time for the others.
+/// Number of tests that run in turn: while one waits the others compute.
 const IN_TURN: usize = 4;
 
-/// The responses of `rigs`, whose actuators and sensors are ideal, over `steps` control steps or to the end of `ground`. They
-/// have the bits that they have one by one.
+/// The responses of `rigs`, with ideal actuators and sensors, over `steps` control steps or to the end of `ground`.
+/// They have the same bits as when computed one by one.
 ///
 /// # Errors
-/// A parameter of a rig that is refused, with its name and value.
+/// A refused parameter of a rig, with its name and value.
 pub fn responses<const N: usize>(
     rigs: &[RigSpec],
     config: &Config,
@@ -50,7 +50,7 @@ pub fn responses<const N: usize>(
     Ok(lanes.into_iter().map(|lane| lane.response).collect())
 }
 
-/// A test on linear springs, in motion.
+/// A test on linear springs, in progress.
 struct Elastic<const N: usize> {
     stiffness_n_per_m: Vec<f64>,
     test: IdealTest<N>,
@@ -88,11 +88,11 @@ impl<const N: usize> Elastic<N> {
     }
 }
 
-/// The response of `rig`, whose actuators and sensors are ideal, over `steps` control steps or to the end of `ground`. It
-/// ends where a number is NaN.
+/// The response of `rig`, with ideal actuators and sensors, over `steps` control steps or to the end of `ground`. It
+/// ends at the first NaN.
 ///
 /// # Errors
-/// A parameter of the rig that is refused, with its name and value.
+/// A refused parameter of the rig, with its name and value.
 fn response<const N: usize>(
     rig: &RigSpec,
     config: &Config,

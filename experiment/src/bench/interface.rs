@@ -1,4 +1,4 @@
-//! What a bench is given, what it does, and how it ends.
+//! A bench: its input, its task, and its result.
 
 use super::further_inputs::FurtherInputs;
 use crate::coupled::part::CoupledPart;
@@ -13,13 +13,13 @@ use serde::Serialize;
 /// A test, ready to run.
 #[derive(Clone, Debug)]
 pub struct PreparedTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
-    /// The configuration, for a bench with a loop of its own.
+    /// The configuration, for a bench that has its own loop.
     pub config: &'a Config,
-    /// The same, worked out.
+    /// The same as computed constants.
     pub design: Design<N, R>,
-    /// What shakes the structure.
+    /// The excitation of the structure.
     pub ground: GroundMotion<'a>,
-    /// The points of the ground motion, m/s^2, for a bench that has to be sent them.
+    /// The points of the ground motion, m/s^2, for a bench to which they have to be sent.
     pub points_m_per_s2: &'a [f32],
     /// Their interval in model time, s.
     pub interval_s: f64,
@@ -30,17 +30,17 @@ pub struct PreparedTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
 /// How a test ended.
 #[derive(Clone, Debug)]
 pub struct Ending {
-    /// Where the loop stood.
+    /// The final mode of the loop.
     pub mode: Mode,
     /// The first fault, if there was one.
     pub trip: Option<Trip>,
-    /// The operator stopped it before its end.
+    /// True if the operator stopped it before its end.
     pub by_hand: bool,
-    /// Seconds on the wall clock.
+    /// Wall-clock time, s.
     pub wall_s: f64,
     /// What only a board reports.
     pub board: Option<OnBoard>,
-    /// Two coupled actuators as the loop has them in the end.
+    /// The loop's final estimate of two coupled actuators.
     pub actuators: Option<Plant>,
 }
 
@@ -113,22 +113,22 @@ impl OnBoard {
     }
 }
 
-/// Something that a test can run on.
+/// Something on which a test can run.
 pub trait Bench {
-    /// Arms, approaches and runs; `observer` sees every control step of the running test.
+    /// Arms, approaches and runs; `observer` receives every control step of the running test.
     ///
     /// # Errors
-    /// A rig that cannot be set up, or a loop that refuses to arm. A trip is no error: it is in the ending.
+    /// A rig that cannot be set up, or a loop that refuses to arm. A trip is not an error: it is part of the ending.
     fn run<const N: usize>(
         &self,
         test: &PreparedTest<'_, N>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure>;
 
-    /// The same of a test of two coupled actuators.
+    /// The same for a test of two coupled actuators.
     ///
     /// # Errors
-    /// As [`Bench::run`]; a bench that has no such actuators.
+    /// As for [`Bench::run`]; a bench without such actuators.
     fn run_coupled<const N: usize>(
         &self,
         part: &CoupledPart,

@@ -1,4 +1,4 @@
-//! Where a test runs. Whoever asks for a test does not know what stands behind the trait.
+//! Where a test runs. A caller does not know what is behind the trait.
 
 mod further_inputs;
 pub mod ideal;

@@ -11,29 +11,29 @@ use outerloop_core::watch::Instructions;
 use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Record, Sample, flag};
 use std::time::Instant;
 
-/// Idle steps before arming: the loop averages where the specimen stands.
+/// Idle steps before arming: the loop averages the specimen's position.
 const IDLE_STEPS: usize = 256;
 
-/// Control steps for which the target stands behind a ramp before nobody looks any longer.
+/// Control steps for which the target must be constant after a ramp before the run ends.
 pub const STANDS_STEPS: usize = 500;
 
-/// Control steps in which a gain changes: hydraulics have no jumps.
+/// Control steps over which a gain changes: hydraulics have no jumps.
 pub const GAIN_STEPS: usize = 100;
 
-/// What breaks in a rig while a test runs.
+/// A failure in a rig while a test runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakage {
     /// Displacement per command changes by this factor, over `GAIN_STEPS` control steps.
     ActuatorGain(f64),
-    /// The force changes by this factor, as if the specimen were another one.
+    /// The force changes by this factor, as if the specimen were a different one.
     Stiffness(f64),
-    /// The displacement reads what it last read, and its noise.
+    /// The displacement keeps its last reading, plus its noise.
     DeadDisplacement,
-    /// The force reads nothing but its noise.
+    /// The force reads only its noise.
     DeadForce,
 }
 
-/// What the loop samples of a simulated rig: displacements, m, and forces, N, as its converters deliver them.
+/// The loop's sample of a simulated rig: displacements, m, and forces, N, as delivered by its converters.
 pub fn sample<const N: usize>(
     (displacement_m, force_n): (&[f64], &[f64]),
     at_rail: bool,
@@ -50,13 +50,13 @@ pub fn sample<const N: usize>(
 /// A simulated rig.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantBench<'a> {
-    /// What it is made of.
+    /// Its description.
     pub spec: &'a RigSpec,
     /// Seed of everything random in it.
     pub seed: u64,
-    /// A test that computes a larger displacement is stopped, m: a real rig would be at its end by then.
+    /// A test that computes a larger displacement is stopped, m: a real rig would have reached its limit.
     pub stop_beyond_m: f64,
-    /// What breaks, and after how many control steps of the running test.
+    /// The failure, and the number of control steps of the running test after which it occurs.
     pub breaks: Option<(usize, Breakage)>,
 }
 
@@ -132,14 +132,14 @@ impl Bench for PlantBench<'_> {
 }
 
 impl PlantBench<'_> {
-    /// The computed displacement has left what is of interest.
+    /// True if the computed displacement has left the range of interest.
     fn is_beyond<const N: usize>(&self, record: &Record<N>) -> bool {
         let far = |u: &f32| f64::from(u.abs()) > self.stop_beyond_m;
         record.has(flag::SOLVED) && record.command_m.iter().any(far)
     }
 
-    /// Arms, approaches and runs on a rig that gives a sample for the commands in force, m, after so many control steps of
-    /// the running test, in this mode.
+    /// Arms, approaches and runs on a rig that returns a sample for the active commands, m, the number of control steps
+    /// of the running test, and the mode.
     fn drive<const N: usize, R: outerloop_core::Rig<N>>(
         &self,
         test: &PreparedTest<'_, N, R>,
@@ -192,9 +192,9 @@ impl PlantBench<'_> {
                 | Mode::Stopping
                 | Mode::Tripped => observer.on_idle_step(&step.record.into()),
             }
-            // As on a board, behind every step: it is watched if a test runs then, also where it has just gone on.
+            // As on a board, after each step: a running test is watched, even if it has only just resumed.
             in_place.judge(&mut outer, |blocks, orders| observer.judge(blocks, orders));
-            // What means nothing in this mode is refused, and nothing happens.
+            // An event that is invalid in this mode is refused without effect.
             if let Some(event) = observer.requested_event()
                 && outer.handle(event).is_ok()
                 && event == Event::Stop
@@ -202,7 +202,7 @@ impl PlantBench<'_> {
                 by_hand = true;
                 break;
             }
-            // The ramp at the end of the ground motion belongs to the test: interlocks act on it, too.
+            // The ramp after the ground motion belongs to the test: interlocks act on it, too.
             let ended = outer.mode() == Mode::Finished && stands >= STANDS_STEPS;
             if ended || outer.mode() == Mode::Tripped {
                 break;

@@ -1,4 +1,4 @@
-//! A signal on the simulated rig, in this process: the loop of core follows goals instead of a structure.
+//! A signal on the simulated rig, in this process: core's loop follows targets instead of a structure.
 
 use super::played::Played;
 use crate::failure::Failure;
@@ -9,13 +9,13 @@ use crate::trace::TestObserver;
 use ::plant::Rig;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};
 
-/// Idle steps before arming: the loop averages where the specimen stands.
+/// Idle steps before arming: the loop averages the specimen's position.
 const IDLE_STEPS: usize = 256;
 
 /// Plays `signal` under `limits` on the simulated rig of `test`.
 ///
 /// # Errors
-/// A parameter that is refused; a test with more than one actuator.
+/// A refused parameter; a test with more than one actuator.
 pub fn play(
     test: &TestFile,
     limits: Limits,
@@ -35,7 +35,7 @@ pub fn play(
     let rate_hz = config.timing.rate_hz;
     let storeys = &config.structure.stiffness_n_per_m[..1];
     let mut rig = Rig::new(&test.plant, storeys, rate_hz, seed).map_err(|e| refuse(&e))?;
-    // The structure has no part in it: one floor is the actuator's.
+    // The structure is not involved: a single floor, the actuator's.
     let floors = config.degrees_of_freedom();
     with_floors!(floors, N => {
         let design = Design::<N>::new(&config).map_err(|e| refuse(&e))?;
@@ -67,7 +67,7 @@ pub fn play(
                 Mode::Commissioning => {
                     observer.on_step(&(&record).into());
                     let (x, f) = (sample.displacement_m[0], sample.force_n[0]);
-                    // What was in force while the sample was taken.
+                    // The command that was active during the sample.
                     played.add(rate_hz, record.command_m[0], x, f);
                 }
                 Mode::Finished => return Ok(played),

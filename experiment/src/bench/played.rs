@@ -1,4 +1,4 @@
-//! What a signal left behind: command, displacement and force, step by step, in the format of recorded data.
+//! The record of a signal: command, displacement and force, step by step, in the format of recorded data.
 
 use crate::failure::Failure;
 use crate::files::measured::in_mm;
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 pub struct Played {
     /// The recording as CSV.
     pub text: String,
-    /// Its steps.
+    /// Number of steps.
     pub steps: usize,
     /// Why it ended early, if it did.
     pub early: Option<String>,
@@ -18,26 +18,26 @@ pub struct Played {
     pub peak_m: f64,
     /// Largest force, N.
     pub peak_n: f64,
-    /// Force on each of the board's actuators over the displacement of the one that moved, N/m, where one answered.
+    /// Force on each of the board's actuators over the displacement of the one that moved, N/m, if it responded.
     pub stiffness_n_per_m: Vec<Option<f64>>,
-    /// What looks wrongly wired.
+    /// A suspected wiring error.
     pub suspicion: Option<String>,
 }
 
 impl Played {
-    /// Why a signal ended early that a person has stopped.
+    /// Why a signal ended early if a person stopped it.
     pub const BY_HAND: &str = "it was stopped by hand";
 
-    /// Why one ended early that the board's button has stopped.
+    /// Why a signal ended early if the board's button stopped it.
     pub const BY_BUTTON: &str = "the board's button ended it";
 
-    /// True where somebody stopped it.
+    /// True if somebody stopped it.
     pub fn is_stopped(&self) -> bool {
         let why = self.early.as_deref();
         why.is_some_and(|why| [Self::BY_HAND, Self::BY_BUTTON].contains(&why))
     }
 
-    /// Nothing yet.
+    /// Without any step.
     pub fn new() -> Self {
         Self {
             text: String::from("time_s,command_m,displacement_m,force_n\n"),
@@ -50,13 +50,13 @@ impl Played {
         }
     }
 
-    /// The next step, without a gap.
+    /// Adds the next step, without a gap.
     pub fn add(&mut self, rate_hz: f64, command_m: f32, displacement_m: f32, force_n: f32) {
         let time_s = self.steps as f64 / rate_hz;
         self.add_at(time_s, command_m, displacement_m, force_n);
     }
 
-    /// A step at a time, s.
+    /// Adds a step at a time, s.
     pub fn add_at(&mut self, time_s: f64, command_m: f32, displacement_m: f32, force_n: f32) {
         let _ = writeln!(self.text, "{time_s},{command_m},{displacement_m},{force_n}");
         self.steps += 1;
@@ -64,7 +64,7 @@ impl Played {
         self.peak_n = self.peak_n.max(f64::from(force_n.abs()));
     }
 
-    /// The same, not ended.
+    /// The same, with the reason for an early end.
     pub fn ended_early(self, why: String) -> Self {
         Self {
             early: Some(why),
@@ -72,7 +72,7 @@ impl Played {
         }
     }
 
-    /// As a diagnosis takes it.
+    /// As input for a diagnosis.
     ///
     /// # Errors
     /// A signal that ended before it had a record.

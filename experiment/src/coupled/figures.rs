@@ -1,4 +1,4 @@
-//! The figures that only a test of two coupled actuators has.
+//! The figures specific to a test of two coupled actuators.
 
 use super::interface::InterfaceScore;
 use super::part::CoupledPart;
@@ -9,7 +9,7 @@ use outerloop_core::coupled::{INTERFACE_AXIS, Plant};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What an axis of a fault is: an actuator, or a coordinate of the interface.
+/// The name of a fault's axis: an actuator, or a coordinate of the interface.
 pub fn axis_name(axis: u8) -> Option<&'static str> {
     const ROTATION: u8 = INTERFACE_AXIS + 1;
     Some(match axis {
@@ -58,8 +58,8 @@ pub struct CoupledFigures {
 }
 
 impl CoupledFigures {
-    /// Of a test that left `score`, with the errors of its coordinates by Eqs 17 and 18; `actuators` are what the loop takes
-    /// them for in the end.
+    /// For a test with this `score` and the errors of its coordinates by Eqs 17 and 18; `actuators` is the loop's final
+    /// estimate of them.
     pub(crate) fn of(
         part: &CoupledPart,
         score: &InterfaceScore,
@@ -79,7 +79,7 @@ impl CoupledFigures {
         }
     }
 
-    /// The unit of a value of `trip`, whose fault has `unit` where it is of a length.
+    /// The unit of a value of `trip`; its fault has `unit` for a length.
     pub(crate) fn unit_of(trip: Trip) -> &'static str {
         match (axis_name(trip.axis), trip.fault.unit()) {
             (Some("rotation"), "m") => "rad",
@@ -90,7 +90,7 @@ impl CoupledFigures {
     }
 }
 
-/// What was estimated, beside what was declared and what the simulated rig has.
+/// The estimates, with the declared values and those of the simulated rig.
 fn found_numbers(part: &CoupledPart, found: &Plant) -> Vec<FoundNumber> {
     if part.declared.compensation != CoupledCompensation::Coupled || part.rig.ideal {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The motion of a test of two coupled actuators that are where they are sent.
+//! The motion of a test of two coupled actuators that follow their commands exactly.
 
 use super::part::CoupledPart;
 use super::settings;
@@ -8,8 +8,8 @@ use crate::trace::Response;
 use outerloop_core::{Coefficients, Config, GroundMotion, Newmark};
 use plant::coupled::CoupledSpecimen;
 
-/// The same integration, with the specimen where it is sent: the displacement of every coordinate, m or rad, a step a
-/// control step.
+/// The same integration, with the specimen exactly where it is sent: the displacement of every coordinate, m or rad,
+/// one step per control step.
 ///
 /// # Errors
 /// A structure that is refused.

@@ -1,5 +1,5 @@
-//! The interface of two coupled actuators in a running test: what only its record has beside those of other tests, and the
-//! sums over it.
+//! The interface of two coupled actuators in a running test: the additional contents of its record compared with other
+//! tests, and the sums over it.
 
 use super::part::CoupledPart;
 use crate::observer::{AnyRecord, TestObserver};
@@ -10,13 +10,13 @@ pub type Both = [Vec<f32>; 2];
 
 /// One control step in both systems of coordinates.
 struct BothCoordinates {
-    /// Where x and rotation are, by the readings of the strokes.
+    /// Displacements of x and rotation from the readings of the strokes.
     displacement: [f32; 2],
-    /// Where they truly are, on a simulated rig; elsewhere not a number.
+    /// True displacements, on a simulated rig; NaN otherwise.
     truth: [f32; 2],
-    /// Strokes as they are, m; as above.
+    /// True strokes, m; NaN as above.
     true_stroke_m: [f32; 2],
-    /// Where each stroke is to be now, m.
+    /// Target of each stroke, m.
     wanted_m: [f32; 2],
 }
 
@@ -36,25 +36,25 @@ impl BothCoordinates {
     }
 }
 
-/// What the record of two coupled actuators has beside that of others, a value a control step. Readings, forces and sent
-/// commands of the first two floors of the trace are those of the actuators; estimates and targets are of x and rotation.
+/// The additional contents of a record of two coupled actuators, one value per control step. Readings, forces and sent
+/// commands of the trace's first two floors are the actuators'; estimates and targets are those of x and rotation.
 #[derive(Clone, Debug)]
 pub struct InterfaceTrace {
     coupler: CouplerSpec,
     /// Names of the coordinates, with their units.
     pub coordinates: Vec<String>,
-    /// Where x and rotation are, by the readings.
+    /// Displacements of x and rotation by the readings.
     pub displacement: Both,
-    /// Where they truly are; not a number where no simulated rig says it.
+    /// True displacements; NaN without a simulated rig.
     pub truth: Both,
-    /// Strokes as they are, m; not a number where no simulated rig says it.
+    /// True strokes, m; NaN without a simulated rig.
     pub true_stroke_m: Both,
-    /// Where each stroke is to be now, m.
+    /// Target of each stroke, m.
     pub wanted_m: Both,
 }
 
 impl InterfaceTrace {
-    /// No step yet.
+    /// Without any step.
     pub fn of(part: &CoupledPart) -> Self {
         Self {
             coupler: part.declared.coupler.clone(),
@@ -66,7 +66,7 @@ impl InterfaceTrace {
         }
     }
 
-    /// One control step more.
+    /// Adds a control step.
     pub(crate) fn push(&mut self, record: &AnyRecord<'_>) {
         let now = BothCoordinates::of(&self.coupler, record);
         for i in 0..2 {
@@ -78,7 +78,7 @@ impl InterfaceTrace {
     }
 }
 
-/// Displacement less target, target, and force of x and rotation at a control step.
+/// Displacement minus target, target, and force of x and rotation at a control step.
 #[derive(Clone, Copy, Debug)]
 struct AtStep {
     error: [f64; 2],
@@ -94,9 +94,9 @@ pub struct InterfaceScore {
     /// Declared stiffness of the specimen.
     stiffness: [[f64; 2]; 2],
     before: Option<AtStep>,
-    /// Energy errors over x and rotation, J: Eq 12, HSEM, Eq 6. Negative where the actuators put energy in.
+    /// Energy errors over x and rotation, J: Eq 12, HSEM, Eq 6. Negative if the actuators put energy in.
     pub energy_j: [f64; 3],
-    /// Squares of true stroke less target, and of the target, by actuator, m^2. A board knows no truth: there the stroke as read.
+    /// Squares of true stroke minus target, and of the target, by actuator, m^2; on a board of the measured stroke.
     off_m2: [[f64; 2]; 2],
     /// Largest rotation of the target, rad.
     pub peak_rotation_rad: f64,
@@ -105,7 +105,7 @@ pub struct InterfaceScore {
 }
 
 impl InterfaceScore {
-    /// Nothing seen yet.
+    /// Without any step.
     pub fn of(part: &CoupledPart) -> Self {
         Self {
             coupler: part.declared.coupler.clone(),
@@ -118,7 +118,7 @@ impl InterfaceScore {
         }
     }
 
-    /// Root mean square of true stroke less target, of the target's, by actuator.
+    /// Root mean square of true stroke minus target over that of the target, by actuator.
     pub fn tracking_rms(&self) -> [f64; 2] {
         self.off_m2
             .map(|[off, wanted]| (off / wanted.max(f64::MIN_POSITIVE)).sqrt())

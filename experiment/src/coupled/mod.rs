@@ -1,15 +1,15 @@
-//! Tests of a rig whose interface two coupled actuators move in x and in rotation: `[coupled]` of a test file.
+//! Tests of a rig with an interface moved in x and rotation by two coupled actuators: `[coupled]` of a test file.
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`table`] | what the table holds |
-//! | [`part`] | what only a test file of this kind has |
+//! | [`table`] | the contents of the table |
+//! | [`part`] | the contents specific to such a test file |
 //! | [`settings`] | the same as the settings of core's loop |
-//! | [`ideal`] | the motion with actuators that are where they are sent |
-//! | [`interface`] | what its record has beside that of others, and sums over it: both systems of coordinates |
-//! | [`figures`] | the figures that only such a test has |
+//! | [`ideal`] | the motion with ideal actuators |
+//! | [`interface`] | the additional contents of its record, and sums over it: both systems of coordinates |
+//! | [`figures`] | the figures specific to such a test |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
-//! | [`stop`] | whether it can be stopped where it is fastest |
+//! | [`stop`] | whether it can be stopped at its fastest |
 
 pub mod figures;
 pub mod ideal;

@@ -1,4 +1,4 @@
-//! What only the test file of two coupled actuators has.
+//! The contents specific to a test file of two coupled actuators.
 
 use super::settings;
 use super::table::CoupledTable;
@@ -30,8 +30,8 @@ struct PlantTable {
 }
 
 impl CoupledPart {
-    /// Takes `[coupled]`, `[plant]` and `[loop]` from a table in which nothing else is left: the part, the sensors of the
-    /// simulated rig, and what core is configured with.
+    /// Takes `[coupled]`, `[plant]` and `[loop]` from a table that has no other keys: the part, the sensors of the
+    /// simulated rig, and core's configuration.
     ///
     /// # Errors
     /// A key or value that cannot be used.
@@ -76,8 +76,8 @@ impl CoupledPart {
         Ok((own, sensors, config))
     }
 
-    /// What core is configured with beside the part: rates, and the limits of each actuator. Of the structure it has what
-    /// lists can hold.
+    /// Core's configuration besides the part: rates, and the limits of each actuator. Of the structure it has what
+    /// lists can express.
     fn config(&self, timing: Timing) -> Config {
         let (s, l) = (&self.declared.structure, &self.declared.limits);
         let diagonal = |m: &[Vec<f64>]| {
@@ -114,7 +114,7 @@ impl CoupledPart {
         self.declared.structure.coordinates.len()
     }
 }
-/// `[plant]` with what it leaves out of the actuators and the specimen as `declared` has it.
+/// `[plant]`, with actuators and specimen from `declared` where it omits them.
 fn as_declared(plant: Option<Value>, declared: &Value) -> Value {
     let mut plant = match plant {
         Some(Value::Table(plant)) => plant,

@@ -1,4 +1,4 @@
-//! Whether a test of two coupled actuators may be run: the verdict of every test, its limits, a stop, and what drawn rigs would do.
+//! Whether a test of two coupled actuators may be run: the verdict of any test, its limits, a stop, and drawn rigs.
 
 use super::stop;
 use super::table::{CoupledLimits, SpreadTable};
@@ -53,21 +53,21 @@ pub struct CoupledCheck {
     pub planned: Summary,
 }
 
-/// A check, and the test on the simulated rig.
+/// The check, and the test on the simulated rig.
 pub type CheckedTrial = (CoupledCheck, Response, JudgedRun);
 
-/// From this share of a limit on, a planned motion is near it.
+/// A planned motion is near a limit from this fraction of it.
 const NEAR: f64 = 0.9;
-/// So many times the planned motion runs under other noise: what `coupled` learns may come out well by one noise and wrong by the next.
+/// Number of other noises under which the planned motion runs: what `coupled` learns may be right by chance.
 const OTHER_NOISES: u64 = 10;
 
-/// Judges a test as every other is judged, and by its limits and a stop. It runs, too, on rigs that are drawn around the simulated one,
-/// which count where its actuators are those that are declared. Each number of them differs by itself: poles, zeros and delays by the
-/// spread of the delay, gains and the specimen's stiffness and damping by theirs. Of the actuators the test file declares the spreads in
-/// `[coupled.spread]`.
+/// Judges a test like any other, and by its limits and a stop. It also runs on rigs drawn around the simulated one,
+/// which count if its actuators are the declared ones. Each of their numbers varies independently: poles, zeros and
+/// delays with the spread of the delay, gains and the specimen's stiffness and damping with their own. The test file
+/// declares the actuators' spreads in `[coupled.spread]`.
 ///
 /// # Errors
-/// A test that cannot be laid out.
+/// A test that cannot be set up.
 pub fn check(
     e: &Experiment,
     spread: &Spread,
@@ -102,7 +102,7 @@ pub fn check(
         if doubt.is_none() {
             doubt = stop::doubt(e, &ideal, spread.seed)?;
         }
-        // Where nobody says what the rig's actuators are, it may be any of those.
+        // If nobody says what the rig's actuators are, they may be any of those.
         if doubt.is_none() && part.rig.actuators == part.declared.actuators {
             doubt = on_a_drawn_rig(&drawn);
         }
@@ -122,7 +122,7 @@ pub fn check(
     Ok((check, ideal, run))
 }
 
-/// `spread` with what the test file declares of its actuators' times and gains, where it does.
+/// `spread` with those of the actuators' times and gains that the test file declares.
 fn of_declared(declared: &SpreadTable, spread: &Spread) -> Spread {
     let times = [
         declared.slow_pole_ratio,
@@ -139,13 +139,13 @@ fn of_declared(declared: &SpreadTable, spread: &Spread) -> Spread {
     }
 }
 
-/// What is doubtful about the planned motion where its noise is another.
+/// Doubts about the planned motion under other noise.
 fn under_other_noise(
     e: &Experiment,
     ideal: &Response,
     seed: u64,
 ) -> Result<Option<String>, Failure> {
-    // The first seeds are those of the rig itself and of the two that differ.
+    // The first seeds belong to the rig itself and to the two that differ.
     let seeds = (0..OTHER_NOISES)
         .into_par_iter()
         .map(|i| seed.wrapping_add(10 + i));
@@ -159,14 +159,14 @@ fn under_other_noise(
     }))
 }
 
-/// How many of these errors are poor, and the worst of them in words; `None` where none is.
+/// The number of poor errors among these, and the worst in words; `None` if none is poor.
 fn poor(errors: &[f64]) -> Option<(usize, String)> {
     let count = errors.iter().filter(|eps| **eps > POOR_EPS_RMS).count();
     let worst = errors.iter().copied().fold(0.0, f64::max);
     (count > 0).then(|| (count, percent_or_lost(worst)))
 }
 
-/// What is doubtful about a test of actuators as they are declared, from its errors on rigs that are drawn around them.
+/// Doubts about a test with the declared actuators, from its errors on rigs drawn around them.
 fn on_a_drawn_rig(drawn: &[f64]) -> Option<String> {
     poor(drawn).map(|(count, worst)| {
         format!(
@@ -188,14 +188,14 @@ fn near_a_limit(limits: &[LimitUse]) -> Option<String> {
     ))
 }
 
-/// A rig that differs; `index` draws it.
+/// A rig with different parameters, drawn by `index`.
 fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledRigSpec {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(
         spread.seed ^ (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15),
     );
     let mut factor = |share: f64| {
         let normal: f64 = StandardNormal.sample(&mut random);
-        // Farther than three deviations would be another machine; a time is not below a twentieth of itself.
+        // Beyond three deviations it would be another machine; a time stays above a twentieth of itself.
         (1.0 + share * normal.clamp(-3.0, 3.0)).max(0.05)
     };
     let mut rig = declared.clone();
@@ -223,10 +223,10 @@ fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledR
     rig
 }
 
-/// What the first limits are of.
+/// What the first limits refer to.
 const ACTUATOR: &str = "worse actuator";
 
-/// How much of each limit a test took.
+/// The used part of each limit.
 fn limits(l: &CoupledLimits, trace: &Trace) -> Vec<LimitUse> {
     let Some(interface) = &trace.interface else {
         return Vec::new();
@@ -243,7 +243,7 @@ fn limits(l: &CoupledLimits, trace: &Trace) -> Vec<LimitUse> {
             .fold(0.0, |m, (a, b)| f64::from((a - b).abs()).max(m))
     };
     let worse = |of: &dyn Fn(usize) -> f64| of(0).max(of(1));
-    // In the order of the limits; the last of them, of readings that stand still, is none of the motion.
+    // In the order of the limits; the last one, for constant readings, does not concern the motion.
     let planned = [
         (ACTUATOR, "m", worse(&|i| most(&floors[i].sent_m))),
         (ACTUATOR, "m/s", worse(&|i| fastest(&floors[i].sent_m))),

@@ -1,4 +1,4 @@
-//! What a test file declares, as the settings of core's loop.
+//! Converts the declarations of a test file to the settings of core's loop.
 
 use super::table::{
     CoupledCompensation, CoupledLimits, CoupledStructure, CoupledTable, SpreadTable,
@@ -13,10 +13,10 @@ use outerloop_core::{Config, Design, Structure, modes};
 use plant::coupled::ActuatorPairSpec;
 use std::f64::consts::TAU;
 
-/// That the test can be run at all, whatever its compensation.
+/// Checks that the test can be run at all, whatever its compensation.
 ///
 /// # Errors
-/// The first value that is refused, with what would be accepted.
+/// The first refused value, with what would be accepted.
 pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
     structure_shape(&c.structure)?;
     let physical = &c.specimen;
@@ -173,10 +173,10 @@ fn structure_shape(s: &CoupledStructure) -> Result<(), String> {
     Ok(())
 }
 
-/// The settings of the loop under a compensation.
+/// The settings of the loop with a compensation.
 ///
 /// # Errors
-/// The first value that core refuses.
+/// The first value refused by core.
 pub fn of<const N: usize>(
     c: &CoupledTable,
     config: &Config,
@@ -189,7 +189,7 @@ pub fn of<const N: usize>(
     let period_s = 1.0 / config.timing.rate_hz;
     let observer = |axis: usize, limit: f64| {
         observed(&whole, axis, noise(limit), c.observer.process[axis])
-            // In single precision, as the tracker has its period.
+            // In single precision, like the tracker's period.
             .and_then(|o| o.steady(f64::from(period_s as f32)))
             .map_err(refused)
     };
@@ -248,10 +248,10 @@ pub fn of<const N: usize>(
     })
 }
 
-/// The loop under a compensation.
+/// The loop with a compensation.
 ///
 /// # Errors
-/// The first value that core refuses.
+/// The first value refused by core.
 pub fn design<const N: usize>(
     c: &CoupledTable,
     config: &Config,
@@ -260,7 +260,7 @@ pub fn design<const N: usize>(
     Design::coupled(config, &of::<N>(c, config, kind)?).map_err(Failure::input)
 }
 
-/// The structure, laboratory and computer together.
+/// The whole structure, physical and numerical parts.
 fn structure<const N: usize>(c: &CoupledTable) -> Result<Structure<N>, Failure> {
     let s = &c.structure;
     let square = |m: &[Vec<f64>]| std::array::from_fn(|i| std::array::from_fn(|j| m[i][j]));
@@ -307,7 +307,7 @@ fn structure<const N: usize>(c: &CoupledTable) -> Result<Structure<N>, Failure> 
 /// Natural frequencies of the whole structure, Hz, from the lowest.
 ///
 /// # Errors
-/// A structure that is refused.
+/// A refused structure.
 pub fn natural_frequencies_hz(c: &CoupledTable) -> Result<Vec<f64>, Failure> {
     with_floors!(c.structure.coordinates.len(), N => {
         let whole = structure::<N>(c)?;
@@ -318,7 +318,7 @@ pub fn natural_frequencies_hz(c: &CoupledTable) -> Result<Vec<f64>, Failure> {
     })
 }
 
-/// The actuators as core has them; `alone`: without what one feels of the other.
+/// The actuators as in core; `alone`: without their interaction.
 fn plant(a: &ActuatorPairSpec, alone: bool) -> Plant {
     let single = |m: &[[f64; 2]; 2], factor: f64| m.map(|row| row.map(|x| (factor * x) as f32));
     let (mut gain, mut path_lead_s) = (single(&a.gain, 1.0), single(&a.path_lead_ms, 1e-3));
@@ -339,7 +339,7 @@ fn plant(a: &ActuatorPairSpec, alone: bool) -> Plant {
     }
 }
 
-/// What is estimated: every number that is there and has a spread.
+/// What is estimated: every number that is present and has a spread.
 fn spreads(a: &ActuatorPairSpec, s: &SpreadTable) -> Spreads {
     use Parameter::{FastPole, Gain, Lead, NaturalFrequency, PathLead, SlowPole};
     let pairs = [(0, 0), (0, 1), (1, 0), (1, 1)];
@@ -369,7 +369,7 @@ fn spreads(a: &ActuatorPairSpec, s: &SpreadTable) -> Spreads {
 /// A number of the actuators: its key, its unit, and its value in a plant of core.
 type Named = (&'static str, &'static str, fn(&Plant) -> f32);
 
-/// The numbers of the actuators that a test may find out.
+/// The numbers of the actuators that a test may estimate.
 pub const NAMED: [Named; 17] = [
     ("slow_pole_hz.0", "Hz", |p| p.slow_pole_rad_per_s[0] / HZ),
     ("slow_pole_hz.1", "Hz", |p| p.slow_pole_rad_per_s[1] / HZ),
@@ -392,7 +392,7 @@ pub const NAMED: [Named; 17] = [
 
 const HZ: f32 = std::f32::consts::TAU;
 
-/// The actuators as the file has them, as core would.
+/// The actuators of the file, as in core.
 pub fn plant_of(a: &ActuatorPairSpec) -> Plant {
     plant(a, false)
 }

@@ -1,8 +1,8 @@
-//! Whether a test of two coupled actuators can be stopped where it is fastest.
+//! Whether a test of two coupled actuators can be stopped at its fastest.
 //!
-//! A ramp to a standstill begins with a jump of the target's acceleration, and the inverse of late actuators makes a pulse of that: it
-//! may ask an actuator for more speed than its limit, and the stop becomes a trip. What is sent on the ramp of other tests is the
-//! target itself.
+//! A ramp to a standstill begins with a jump in the target's acceleration, which the inverse of slow actuators turns
+//! into a pulse. It may demand more speed of an actuator than its limit, and the stop becomes a trip. In other tests
+//! the ramp's target itself is sent.
 
 use super::part::CoupledPart;
 use crate::bench::STANDS_STEPS;
@@ -12,10 +12,10 @@ use crate::numbers::three;
 use crate::trace::{AnyRecord, Response, TestObserver};
 use outerloop_core::{Event, Mode};
 
-/// Gentler ramps that are tried, as shares of the declared deceleration.
+/// Gentler ramps to try, as fractions of the declared deceleration.
 const GENTLER: [f64; 6] = [0.5, 0.2, 0.1, 0.05, 0.02, 0.01];
 
-/// Holds a test once behind so many control steps, and stops it where it stands.
+/// Holds a test once after this number of control steps, and stops it when it is at rest.
 #[derive(Default)]
 struct HeldOnce {
     after_steps: usize,
@@ -51,7 +51,7 @@ impl TestObserver for HeldOnce {
     }
 }
 
-/// What the test trips on, in words, if it does where it is held behind so many control steps.
+/// What the test trips on, in words, if it trips when held after this number of control steps.
 fn trip(
     e: &Experiment,
     ideal: &Response,
@@ -71,7 +71,7 @@ fn trip(
     }))
 }
 
-/// The control step behind which a stroke is fastest in the ideal motion.
+/// The number of control steps after which a stroke is fastest in the ideal motion.
 fn fastest_step(part: &CoupledPart, ideal: &Response) -> usize {
     let coupler = &part.declared.coupler;
     let interface = ideal.floor(0).zip(ideal.floor(1));
@@ -86,7 +86,7 @@ fn fastest_step(part: &CoupledPart, ideal: &Response) -> usize {
     fastest.map_or(1, |(step, _)| step + 1)
 }
 
-/// What is doubtful about a stop of a test, and what would mend it.
+/// Doubts about stopping a test, and a remedy.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -107,7 +107,7 @@ pub(super) fn doubt(
     )))
 }
 
-/// The least gentle ramp that would do, or what else.
+/// The steepest of the gentler ramps that would work, or another remedy.
 fn what_would_do(
     e: &Experiment,
     ideal: &Response,
@@ -171,8 +171,8 @@ mod tests {
         assert_eq!(doubt_of(&[]), None);
     }
 
-    /// As a board is given it: nothing follows its last point. Of ground that is gone at once the actuators were asked for 2.7 m/s, of
-    /// the motion for 0.34.
+    /// As on a board: nothing follows its last point. If the ground stopped at once the actuators would be asked for
+    /// 2.7 m/s, with the motion for 0.34.
     #[test]
     fn a_ground_motion_that_is_cut_while_it_shakes_ends_on_its_ramp() {
         for seconds in [2.55, 3.0, 3.24, 4.72, 5.25] {

@@ -1,4 +1,4 @@
-//! The table `[coupled]` of a test file: what a laboratory declares of a rig with two coupled actuators.
+//! The table `[coupled]` of a test file: a laboratory's declaration of a rig with two coupled actuators.
 
 use plant::PerAxis;
 use plant::coupled::{ActuatorPairSpec, CouplerSpec};
@@ -56,7 +56,7 @@ pub enum CoupledCompensation {
 }
 
 impl CoupledCompensation {
-    /// All, the simplest first.
+    /// All of them, the simplest first.
     pub const ALL: [Self; 4] = [
         Self::None,
         Self::Uncoupled,

@@ -6,10 +6,10 @@ use crate::failure::Failure;
 use hdf5_pure::{DType, File, Group};
 use matfile::{MatFile, NumericData};
 
-/// A matrix with more columns than this is a picture, not a record.
+/// A matrix with more columns than this is an image, not a record.
 const MOST_COLUMNS: usize = 64;
 
-/// True if `bytes` are of a file that [`parse`] reads.
+/// True if `bytes` belong to a file that [`parse`] reads.
 pub fn is_binary(bytes: &[u8]) -> bool {
     is_mat5(bytes) || hdf5_pure::is_hdf5_bytes(bytes)
 }
@@ -18,10 +18,10 @@ fn is_mat5(bytes: &[u8]) -> bool {
     bytes.starts_with(b"MATLAB 5.0")
 }
 
-/// The vectors and the columns of the matrices in a file, those of the length that most of them have.
+/// The vectors and the columns of the matrices in a file that have the most common length.
 ///
 /// # Errors
-/// A file that cannot be read, or in which nothing is a series.
+/// A file that cannot be read, or that contains no series.
 pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
     let all = if is_mat5(&bytes) {
         if is_cut_off(&bytes) {
@@ -44,7 +44,7 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
             }
         ))
     })?;
-    // A single number or a table of settings is no channel; a channel of another length would go missing unsaid.
+    // A single number or a table of settings is no channel; a channel of another length must not vanish silently.
     let odd = all.iter().find(|(name, values)| {
         values.len() > 1 && values.len() != length && Header::of(name, None).likely().is_some()
     });
@@ -61,7 +61,7 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
     NumberTable::of_columns(file, "its variables", &names, columns)
 }
 
-/// True if a MAT file of version 5 is shorter than its parts say: each begins with its kind and its length.
+/// True if a MAT file of version 5 is shorter than its parts say: each begins with its type and its length.
 fn is_cut_off(bytes: &[u8]) -> bool {
     let little = bytes.get(126..128) == Some(b"IM");
     let mut at = 128;
@@ -76,7 +76,7 @@ fn is_cut_off(bytes: &[u8]) -> bool {
     at > bytes.len()
 }
 
-/// The length that most series have; of two that are as frequent, the longer one.
+/// The most common length of the series; of two equally common ones, the longer.
 fn usual_length(all: &[(String, Vec<f64>)]) -> Option<usize> {
     let lengths = || all.iter().map(|(_, v)| v.len()).filter(|n| *n > 1);
     lengths().max_by_key(|n| (lengths().filter(|m| m == n).count(), *n))
@@ -105,7 +105,7 @@ fn mat5(bytes: &[u8]) -> Result<Series, String> {
             [rows, columns] => [rows, columns],
             _ => continue,
         };
-        // MATLAB writes column by column.
+        // MATLAB writes in column-major order.
         add(&mut all, array.name(), &values, rows, columns, false);
     }
     Ok(all)
@@ -136,7 +136,7 @@ fn hdf5(bytes: Vec<u8>) -> Result<Series, String> {
     })
 }
 
-/// A file of MATLAB's with everything in one structure: the names of its fields.
+/// For a MATLAB file with everything in one structure: the names of its fields.
 fn without_structure(mut all: Series) -> Series {
     while let Some((group, _)) = all.first().and_then(|(name, _)| name.split_once('/')) {
         let group = format!("{group}/");
@@ -169,7 +169,7 @@ fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Resu
             [rows, columns] => [rows, columns],
             _ => continue,
         };
-        // What is not a number, such as text, is no series.
+        // Non-numeric data, such as text, is not a series.
         if !data.dtype().is_ok_and(|kind| is_number(&kind)) {
             continue;
         }
@@ -180,7 +180,7 @@ fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Resu
         add(all, &whole, &values, rows, columns, !of_matlab);
     }
     for name in group.groups().map_err(|e| e.to_string())? {
-        // MATLAB keeps its bookkeeping in groups of such names.
+        // MATLAB keeps its bookkeeping in groups with such names.
         if !name.starts_with('#') {
             let inner = group.group(&name).map_err(|e| e.to_string())?;
             collect(&inner, &format!("{path}{name}/"), of_matlab, all)?;
@@ -189,7 +189,7 @@ fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Resu
     Ok(())
 }
 
-/// A vector, or a matrix column by column: `name(1)`, `name(2)`, ... `by_row`: how its numbers follow each other.
+/// Adds a vector, or a matrix by columns: `name(1)`, `name(2)`, ... `by_row`: the order of its numbers.
 fn add(all: &mut Series, name: &str, values: &[f64], rows: usize, columns: usize, by_row: bool) {
     if values.len() != rows * columns || columns > MOST_COLUMNS {
         return;

@@ -1,6 +1,6 @@
-//! A cell that is no number: what it is likely to be, and what would do.
+//! A cell that is not a number: what it probably is, and what would be accepted.
 
-/// Words that instruments and spreadsheets write where they have no value.
+/// Words that instruments and spreadsheets write for missing values.
 const ABSENT: [&str; 9] = [
     "nan", "na", "n/a", "null", "none", "-", "--", "inf", "missing",
 ];
@@ -45,7 +45,7 @@ fn is_clock(cell: &str) -> bool {
     }
 }
 
-/// `1,002.56`, `1.002,56`, `1'002`, `1 002`: groups of three digits behind the first.
+/// `1,002.56`, `1.002,56`, `1'002`, `1 002`: groups of three digits after the first.
 fn is_grouped(cell: &str) -> bool {
     let cell = cell.trim_start_matches(['+', '-']);
     let groups: Vec<&str> = cell

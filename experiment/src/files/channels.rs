@@ -1,27 +1,27 @@
-//! The channels of a test's record, with their names: `quantity_unit`, as recorded data have them
-//! ([`super::recording`]), and several axes told apart by a number after the quantity.
+//! The channels of a test's record, with their names: `quantity_unit`, as in recorded data ([`super::recording`]), with
+//! several axes distinguished by a number after the quantity.
 
 use crate::coupled::interface::InterfaceTrace;
 use crate::trace::{FloorTrace, Trace};
 
-/// A channel: its name and unit, a value a control step.
+/// A channel: its name, its unit, and one value per control step.
 #[derive(Clone, Debug)]
 pub struct Channel<'a> {
     /// `command_m`, `force2_n`, ...
     pub name: String,
-    /// Its unit, written as an engineer would.
+    /// Its unit, as an engineer would write it.
     pub unit: &'static str,
-    /// Single precision, as the controller has it.
+    /// In single precision, as in the controller.
     pub values: &'a [f32],
 }
 
-/// A unit in a name, and as an engineer would write it.
+/// A unit as in a name, and as an engineer would write it.
 type Unit = (&'static str, &'static str);
 
 const M: Unit = ("m", "m");
 const N: Unit = ("n", "N");
 const ONE: Unit = ("1", "1");
-/// Length, force, speed, acceleration, damping.
+/// Length, force, velocity, acceleration, damping.
 const MOTION: [&Unit; 5] = [
     &M,
     &N,
@@ -29,7 +29,7 @@ const MOTION: [&Unit; 5] = [
     &("m_per_s2", "m/s^2"),
     &("n_s_per_m", "N s/m"),
 ];
-/// The same of a rotation.
+/// The same for a rotation.
 const ROTATION: [&Unit; 5] = [
     &("rad", "rad"),
     &("n_m", "N m"),
@@ -41,7 +41,7 @@ const ROTATION: [&Unit; 5] = [
 /// Name and unit of a column, and its values.
 type Column<'a> = (&'static str, &'static Unit, &'a [f32]);
 
-/// Everything of a trace but time, step and flags.
+/// Everything in a trace except time, step and flags.
 pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
     for (j, floor) in trace.floors.iter().enumerate() {
@@ -103,8 +103,8 @@ fn of_floor(floor: &FloorTrace) -> [Column<'_>; 10] {
     ]
 }
 
-/// Of two coupled actuators: coordinate `j` of the structure, and actuator `j`, where there is one. The force of x and rotation
-/// is the resultant of those that were read.
+/// For two coupled actuators: coordinate `j` of the structure, and actuator `j` if there is one. The force of x and
+/// rotation is the resultant of the measured forces.
 fn of_coordinate<'a>(
     interface: &'a InterfaceTrace,
     floor: &'a FloorTrace,

@@ -1,15 +1,15 @@
-//! What is said on the command line about the columns of a recorded file: `--column time="Time (ms)"`, `--rate 1000`.
+//! Command-line statements about the columns of a recorded file: `--column time="Time (ms)"`, `--rate 1000`.
 
 use super::header::unit_named;
 
-/// A quantity, and the column that holds it.
+/// A quantity, and the column that contains it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnAssignment {
     /// `time`, `command`, `displacement` or `force`.
     pub quantity: String,
-    /// The column's name in the file, or its number from 1.
+    /// The column's name in the file, or its number, from 1.
     pub column: String,
-    /// Its unit, where the file does not say it or is wrong about it.
+    /// Its unit, if the file does not state it or states it wrongly.
     pub unit: Option<&'static str>,
 }
 

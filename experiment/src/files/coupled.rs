@@ -6,22 +6,22 @@ use crate::failure::Failure;
 use diagnosis::{CoupledRecord, CoupledSpecimen};
 use std::fmt::Write as _;
 
-/// What a force is called in messages, by whether it is a moment.
+/// What a force is called in messages, depending on whether it is a moment.
 const FORCE: [&str; 2] = ["force%_n", "force%_n_m"];
 const DISPLACEMENT: [&str; 2] = ["displacement%_m", "displacement%_rad"];
 const TARGET: [&str; 2] = ["target%_m", "target%_rad"];
 
-/// A record, and the file and time that it is of.
+/// A record, with its file and its time span.
 struct Placed {
     record: CoupledRecord,
     from_to_s: [f64; 2],
 }
 
-/// The parts for training and for test, of the coordinates that `specimen` names.
+/// The parts for training and test, for the coordinates that `specimen` names.
 ///
 /// # Errors
-/// A file that cannot be used; a coordinate without its columns; a span that is not inside its record; training and test
-/// data that overlap.
+/// A file that cannot be used; a coordinate without its columns; a span outside its record; overlapping training and
+/// test data.
 pub fn parts(
     library: &mut RecordFiles,
     specimen: &CoupledSpecimen,
@@ -89,7 +89,7 @@ fn part(
             .collect()
     };
     let displacement = columns("displacement", DISPLACEMENT)?;
-    // Time is judged as that of a single axis is.
+    // Time is checked as for a single axis.
     let clock = diagnosis::Recording {
         name: file.file.clone(),
         time_s: time_s[first..end].to_vec(),
@@ -109,7 +109,7 @@ fn part(
     })
 }
 
-/// A record as CSV that [`parts`] reads back. Values are written in single precision.
+/// A record as CSV that [`parts`] can read. Values are written in single precision.
 pub fn to_csv(specimen: &CoupledSpecimen, record: &CoupledRecord) -> String {
     let mut text = String::from("time_s");
     let mut columns: Vec<&Vec<f64>> = Vec::new();

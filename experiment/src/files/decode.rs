@@ -1,4 +1,4 @@
-//! Text in the encodings that laboratories export: UTF-8, UTF-16, and the one of Western Windows.
+//! Text in the encodings that laboratories export: UTF-8, UTF-16, and the Western Windows code page.
 
 use super::{look_ahead, plain, third_party};
 use crate::failure::Failure;
@@ -9,16 +9,16 @@ use std::path::Path;
 /// Reads a file as bytes; `-` is standard input.
 ///
 /// # Errors
-/// A file that cannot be read, or that this command will write, by its name.
+/// A file, with its name, that cannot be read, or that this command will write.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     look_ahead::refuse_output(path)?;
     bytes_to_edit(path)
 }
 
-/// The same of a file that will be written back.
+/// The same for a file that will be written back.
 ///
 /// # Errors
-/// A file that cannot be read, by its name; of a third-party one that is not there, where it is published.
+/// A file, with its name, that cannot be read; for a missing third-party file, where it is published.
 pub fn bytes_to_edit(path: &Path) -> Result<Vec<u8>, Failure> {
     let read = if path == Path::new("-") {
         let mut all = Vec::new();
@@ -44,10 +44,10 @@ pub fn bytes_to_edit(path: &Path) -> Result<Vec<u8>, Failure> {
 /// The text in `bytes`, which came from `file`.
 ///
 /// # Errors
-/// Bytes that are no text.
+/// Bytes that are not text.
 pub fn text(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
     let text = decoded(file, bytes)?;
-    // Lines of an old Macintosh, which some plotting programs still write.
+    // Line ends of an old Macintosh, which some plotting programs still write.
     Ok(match text.contains('\r') && !text.contains('\n') {
         true => text.replace('\r', "\n"),
         false => text,
@@ -69,17 +69,17 @@ fn decoded(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
             .strip_prefix('\u{feff}')
             .map(str::to_owned)
             .unwrap_or(text)),
-        // Every byte is a letter there: an umlaut in a title, a degree sign, a superscript two.
+        // There every byte is a character: an umlaut in a title, a degree sign, a superscript two.
         Err(e) => Ok(WINDOWS_1252.decode(e.as_bytes()).0.into_owned()),
     }
 }
 
-/// True if the bytes are text in no encoding.
+/// True if the bytes are not text in any encoding.
 pub fn is_binary(bytes: &[u8]) -> bool {
     wide(bytes).is_none() && bytes.contains(&0)
 }
 
-/// UTF-16, by its mark or because every other byte is zero, as of digits and Western letters.
+/// UTF-16, by its byte-order mark or because every other byte is zero, as for digits and Western letters.
 fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return (encoding != encoding_rs::UTF_8).then_some(encoding);
@@ -100,7 +100,7 @@ fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
     }
 }
 
-/// What a binary file seems to be, and what to do with it.
+/// What kind of binary file it seems to be, and what to do with it.
 fn kind(bytes: &[u8]) -> &'static str {
     match bytes {
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => {
@@ -134,7 +134,7 @@ fn kind(bytes: &[u8]) -> &'static str {
     }
 }
 
-/// A seismologist's file: the version of its header, the 77th word of four bytes, is 6 or 7.
+/// A seismologist's file: its header version, the 77th four-byte word, is 6 or 7.
 fn is_sac(bytes: &[u8]) -> bool {
     matches!(
         bytes.get(304..308),
@@ -142,7 +142,7 @@ fn is_sac(bytes: &[u8]) -> bool {
     )
 }
 
-/// Five numbers (type, rows, columns, whether it is complex, length of the name) and a name that ends with a zero.
+/// Five numbers (type, rows, columns, complex or not, length of the name) and a name that ends with a zero.
 fn is_mat_4(bytes: &[u8]) -> bool {
     let (words, _) = bytes.as_chunks::<4>();
     let (Some(words), true) = (words.get(..5), bytes.len() > 20) else {

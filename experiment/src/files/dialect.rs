@@ -1,11 +1,11 @@
 //! How a text file separates its columns, writes its decimals, and where its table begins.
 
-/// Separator of columns and sign of the decimals.
+/// Column separator and decimal sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dialect {
     /// Between two cells; `None`: any run of blanks.
     pub separator: Option<char>,
-    /// True if decimals are written with a comma.
+    /// True if the decimal sign is a comma.
     pub decimal_comma: bool,
 }
 
@@ -22,7 +22,7 @@ const DIALECTS: [Dialect; 8] = [
     Dialect::new(Some(','), true),
 ];
 
-/// Lines that are looked at to tell the dialect.
+/// Number of lines examined to detect the dialect.
 const LOOKED_AT: usize = 200;
 
 impl Dialect {
@@ -33,8 +33,8 @@ impl Dialect {
         }
     }
 
-    /// The one in which most lines are numbers; where none is, because of a column of text, the one in which most lines
-    /// have numbers; else the one whose separator stands in the first line.
+    /// The one in which most lines are numbers; if there is none, because of a column of text, the one in which most
+    /// lines have numbers; else the one whose separator occurs in the first line.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Self {
         let looked_at = || lines.clone().take(LOOKED_AT);
         let first = looked_at().next().unwrap_or("");
@@ -71,11 +71,11 @@ impl Dialect {
 
     /// A cell as a number, finite or not.
     pub fn any_number(&self, cell: &str) -> Option<f64> {
-        // Some locales write the typographic minus sign, and nothing else can be meant by it.
+        // Some locales write the typographic minus sign, which is unambiguous.
         let proper = cell.strip_prefix('\u{2212}').map(|rest| format!("-{rest}"));
         let cell = proper.as_deref().unwrap_or(cell);
         if self.decimal_comma && cell.contains(',') {
-            // A point beside a decimal comma would be a thousand's separator: which is meant cannot be known.
+            // With a decimal comma a point would be a thousands separator: which one is meant is unknown.
             return (!cell.contains('.'))
                 .then(|| cell.replace(',', ".").parse().ok())
                 .flatten();
@@ -95,7 +95,7 @@ impl Dialect {
         cells.len() > 1 && cells.iter().all(|c| self.number(c).is_some())
     }
 
-    /// True if a line has at least two numbers, whatever stands beside them.
+    /// True if a line has at least two numbers, whatever else it contains.
     pub fn has_numbers(&self, line: &str) -> bool {
         let cells = self.cells(line);
         cells.iter().filter(|c| self.number(c).is_some()).count() > 1
@@ -108,7 +108,7 @@ fn fortran(cell: &str) -> Option<f64> {
     begins.then(|| cell.replace(['D', 'd'], "e").parse().ok())?
 }
 
-/// The cells of a row without the empty one behind a last separator.
+/// The cells of a row without the empty one after a trailing separator.
 pub fn without_end<'a, 'b>(cells: &'b [&'a str]) -> &'b [&'a str] {
     match cells {
         [all @ .., ""] if all.len() > 1 => all,

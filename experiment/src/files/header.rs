@@ -1,21 +1,21 @@
-//! Names of columns as laboratories write them: `Time (s)`, `Cmd [mm]`, `Force/kN`, `displacement_mm`.
+//! Column names as laboratories write them: `Time (s)`, `Cmd [mm]`, `Force/kN`, `displacement_mm`.
 
-/// A column's name, and its unit where it says one.
+/// A column's name, and its unit if it states one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// The cell as it stands in the file.
+    /// The cell as written in the file.
     pub text: String,
     /// The name without its unit, in lower case, with `_` between its words.
     pub base: String,
-    /// The unit as this program writes it; empty: none is said.
+    /// The unit as this program writes it; empty if none is stated.
     pub unit: String,
 }
 
-/// Units as they are written, and as this program writes them.
+/// Units as this program writes them, and as others do.
 const UNITS: &[(&str, &[&str])] = &[
     ("s", &["s", "sec", "secs", "second", "seconds", "sek"]),
     ("ms", &["ms", "msec", "millisecond", "milliseconds"]),
-    // The micro sign and the Greek letter are two characters.
+    // The micro sign and the Greek letter are different characters.
     (
         "us",
         &[
@@ -93,7 +93,7 @@ const UNITS: &[(&str, &[&str])] = &[
     ("1", &["1", "-", "volt", "v"]),
 ];
 
-/// Names as laboratories write them, and as this program does.
+/// Names as this program writes them, and as laboratories do.
 const ALIASES: &[(&str, &[&str])] = &[
     (
         "time",
@@ -167,7 +167,7 @@ const ALIASES: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Words that suggest a quantity, the stronger first: the command of a displacement is a command.
+/// Words that suggest a quantity, the stronger first: a displacement command is a command.
 const WORDS: &[(&str, &[&str])] = &[
     (
         "command",
@@ -189,7 +189,7 @@ const WORDS: &[(&str, &[&str])] = &[
 ];
 
 impl Header {
-    /// A cell of the header, with the cell of the row of units beneath it, where there is one.
+    /// From a cell of the header, with the cell beneath it if there is a row of units.
     pub fn of(text: &str, beneath: Option<&str>) -> Self {
         let text = text.trim();
         let (base, mut unit) = split(text);
@@ -203,7 +203,7 @@ impl Header {
         }
     }
 
-    /// `quantity_unit`, as this program writes it. `known`: whether a name is one already.
+    /// `quantity_unit`, as this program writes it. `known`: true if a name already has that form.
     pub fn name(&self, known: impl Fn(&str) -> bool) -> String {
         let plain = words(&self.text);
         if self.unit.is_empty() || known(&plain) {
@@ -213,12 +213,12 @@ impl Header {
         format!("{base}_{}", self.unit)
     }
 
-    /// What a column without a unit would be, by its name.
+    /// What a column without a unit probably is, by its name.
     pub fn likely(&self) -> Option<&'static str> {
         alias(&self.base)
     }
 
-    /// The quantity that a word in the name suggests, as in `Ch 1 Displacement Command`: worth asking, not enough to take it.
+    /// The quantity suggested by a word in the name, as in `Ch 1 Displacement Command`: reason to ask, not to use it.
     pub fn suggested(&self) -> Option<&'static str> {
         let found = WORDS
             .iter()
@@ -226,13 +226,13 @@ impl Header {
         found.map(|(quantity, _)| *quantity)
     }
 
-    /// True if its values are accelerations by their unit.
+    /// True if its unit is one of acceleration.
     pub fn is_acceleration(&self) -> bool {
         ["g", "m_per_s2", "gal"].contains(&self.unit.as_str())
     }
 }
 
-/// The unit that a text names, if it does.
+/// The unit named in a text, if any.
 pub fn unit_named(text: &str) -> Option<&'static str> {
     let bare = text.trim().trim_matches(|c| "()[]{}".contains(c)).trim();
     let lower = bare.to_lowercase();
@@ -247,7 +247,7 @@ fn alias(base: &str) -> Option<&'static str> {
     found.map(|(name, _)| *name)
 }
 
-/// The name and the unit behind it, in brackets or behind a stroke.
+/// The name and the unit after it, in brackets or after a slash.
 fn split(text: &str) -> (&str, String) {
     let brackets = [('(', ')'), ('[', ']'), ('{', '}')];
     for (open, close) in brackets {

@@ -2,19 +2,19 @@
 
 use super::header::Header;
 
-/// What the first line of such a file begins with.
+/// The beginning of the first line of such a file.
 const MAGIC: &str = "LabVIEW Measurement";
-/// What a column of times is called.
+/// Name of a column of times.
 const TIMES: &str = "X_Value";
-/// What ends each of the two headers.
+/// End mark of each of the two headers.
 const END: &str = "***End_of_Header***";
 
-/// The text with its table alone: the lines before it are blank, so that messages keep their line, and the units of
-/// `Y_Unit_Label` stand in the names. A file without a column of times has those of `X0` and `Delta_X`; one with times for each
-/// channel is a table where these are the same. `None`: the text is no such file.
+/// The text with only its table: the lines before it are blank, so that messages keep their line numbers, and the units
+/// of `Y_Unit_Label` are added to the names. A file without a column of times gets those of `X0` and `Delta_X`; one
+/// with times for each channel is a table if they are the same. `None` if the text is no such file.
 ///
 /// # Errors
-/// Channels at different times, by the line.
+/// Channels at different times, with the line.
 pub fn as_table(text: &str) -> Result<Option<String>, String> {
     table(text).transpose()
 }
@@ -53,10 +53,10 @@ fn table(text: &str) -> Option<Result<String, String>> {
             _ => name.to_owned(),
         },
     };
-    // Behind the last channel stands a column for comments, empty in most rows.
+    // After the last channel there is a column for comments, empty in most rows.
     let names = names.trim_end().split(separator);
     let names: Vec<&str> = names.filter(|name| name.trim() != "Comment").collect();
-    // The times of further channels, which have to be the first one's.
+    // The times of further channels must equal those of the first.
     let is_time = |at: &usize| *at > 0 && names[*at].trim() == TIMES;
     let (times, kept): (Vec<usize>, Vec<usize>) = (0..names.len()).partition(is_time);
     let heads: Vec<String> = kept.iter().map(|at| named((*at, names[*at]))).collect();

@@ -1,8 +1,8 @@
-//! Where results are to go, settled before anything is read or runs: that they can be written there, that none of them is
-//! an input of the same command, and that no record is replaced that cannot be made again.
+//! Checks the destinations of results before anything is read or runs: that they can be written, that none of them is
+//! an input of the same command, and that no irreproducible record is replaced.
 //!
-//! A verb says first what it will write. Every reader of files comes through [`refuse_output`], so that a file that is
-//! both is refused before a test begins, however its path is spelt.
+//! A verb first declares what it will write. All file readers call [`refuse_output`], so that a file that is both input
+//! and output is refused before a test begins, however its path is spelt.
 
 use super::note::note;
 use super::place::{Place, cannot, refuse_no_folder};
@@ -13,27 +13,27 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// What this process will write.
+/// Files that this process will write.
 static OUTPUTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Records that cannot be made again may be replaced.
+/// True if irreproducible records may be replaced.
 static FORCED: AtomicBool = AtomicBool::new(false);
 
-/// From now on records that cannot be made again may be replaced: `--force`.
+/// From now on irreproducible records may be replaced: `--force`.
 pub fn set_force() {
     FORCED.store(true, Ordering::Relaxed);
 }
 
-/// Records that cannot be made again may be replaced.
+/// True if irreproducible records may be replaced.
 pub fn is_forced() -> bool {
     FORCED.load(Ordering::Relaxed)
 }
 
-/// The folder that `names` will be written into: `wanted`, or `wanted-2` and so on where it holds the record of a test on
-/// a board, emulated or not, or of one that was stopped by hand, which is said.
+/// The folder in which `names` will be written: `wanted`, or `wanted-2` and so on if it contains the record of a test
+/// on a board, emulated or not, or of one that was stopped by hand; the change is reported.
 ///
 /// # Errors
-/// No folder, or one in which no file can be made. Nothing is left there.
+/// Not a folder, or one in which no file can be created. Nothing is left there.
 pub fn folder<N: AsRef<str>>(
     wanted: Option<&Path>,
     names: &[N],
@@ -50,13 +50,13 @@ pub fn folder<N: AsRef<str>>(
     Ok(Some(free))
 }
 
-/// The folder behind `last`, which was one of [`folder`] for `wanted`.
+/// The folder after `last`, which came from [`folder`] for `wanted`.
 pub fn folder_behind(wanted: &Path, last: &Path) -> PathBuf {
     let before = (1..).take_while(|n| numbered(wanted, *n) != last).count();
     free_folder(wanted, before + 2)
 }
 
-/// The first of DIR-`number`, DIR-`number + 1` and so on, where DIR-1 is DIR itself, whose record may be replaced.
+/// The first of DIR-`number`, DIR-`number + 1` and so on whose record may be replaced, where DIR-1 is DIR itself.
 fn free_folder(wanted: &Path, mut number: usize) -> PathBuf {
     loop {
         let candidate = numbered(wanted, number);
@@ -76,14 +76,14 @@ fn numbered(wanted: &Path, number: usize) -> PathBuf {
     if number == 1 {
         return wanted.to_owned();
     }
-    // `out/` and `out` are one folder: the number goes behind its name.
+    // `out/` and `out` are the same folder: the number is appended to its name.
     let plain: PathBuf = wanted.components().collect();
     let mut name = plain.into_os_string();
     name.push(format!("-{number}"));
     name.into()
 }
 
-/// What a folder holds that no command makes again, by its summary.json.
+/// The irreproducible contents of a folder, according to its summary.json.
 fn irreplaceable(folder: &Path) -> Option<&'static str> {
     let text = fs::read_to_string(folder.join("summary.json")).ok()?;
     let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
@@ -94,10 +94,10 @@ fn irreplaceable(folder: &Path) -> Option<&'static str> {
     (of_board || summary["place"] == "emulated").then_some("the record of a test on a board")
 }
 
-/// That a file can be written, and that it is not read.
+/// Checks that a file can be written, and that it is not an input.
 ///
 /// # Errors
-/// As [`folder`], and a path that is a folder.
+/// As for [`folder`], and a path that is a folder.
 pub fn file(file: Option<&Path>) -> Result<(), Failure> {
     let Some(path) = file else {
         return Ok(());
@@ -112,11 +112,11 @@ pub fn file(file: Option<&Path>) -> Result<(), Failure> {
     }
 }
 
-/// The same where only a file of this kind is replaced without `--force`: any other one may be a measurement. `own` says
+/// The same, but without `--force` only a file of this kind is replaced: any other may be a measurement. `own` says
 /// whether a text is a `kind`.
 ///
 /// # Errors
-/// As [`file`], and a file that is there and is no `kind`.
+/// As for [`file`], and an existing file that is not a `kind`.
 pub fn file_of_kind(
     wanted: Option<&Path>,
     kind: &str,
@@ -141,7 +141,7 @@ pub fn file_of_kind(
 /// The same for a record of a rig, which is not replaced without `--force`.
 ///
 /// # Errors
-/// As [`file`], and a file that is there.
+/// As for [`file`], and an existing file.
 pub fn new_record(path: &Path) -> Result<(), Failure> {
     file(Some(path))?;
     if path.is_file() && !is_forced() {
@@ -153,7 +153,7 @@ pub fn new_record(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A file in `folder`, or in the first above it that is there, and gone again.
+/// Creates a file in `folder`, or in its first existing parent, and deletes it.
 fn make_and_drop_file(folder: &Path) -> Result<(), Error> {
     let mut above = folder.ancestors().filter(|f| !f.as_os_str().is_empty());
     let there = above.find(|f| f.exists()).unwrap_or(Path::new("."));
@@ -176,7 +176,7 @@ fn will_write(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A path by its folder as it really is, where that is there.
+/// A path with its folder resolved, if that exists.
 fn in_its_folder(path: &Path) -> PathBuf {
     let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
     match (folder, path.file_name()) {
@@ -185,10 +185,10 @@ fn in_its_folder(path: &Path) -> PathBuf {
     }
 }
 
-/// That `input`, which is about to be read, is nothing that this command will write.
+/// Checks that `input`, which is about to be read, will not be written by this command.
 ///
 /// # Errors
-/// One file by both names.
+/// The same file under both names.
 pub fn refuse_output(input: &Path) -> Result<(), Failure> {
     let outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
     match outputs.iter().find(|output| is_one_file(output, input)) {
@@ -201,7 +201,7 @@ pub fn refuse_output(input: &Path) -> Result<(), Failure> {
     }
 }
 
-/// True if two paths lead to one regular file.
+/// True if two paths lead to the same regular file.
 fn is_one_file(a: &Path, b: &Path) -> bool {
     let (Ok(of_a), Ok(of_b)) = (fs::metadata(a), fs::metadata(b)) else {
         return false;
@@ -247,7 +247,7 @@ mod tests {
             1,
             "nothing is left"
         );
-        // No one can make a file there, whoever runs this.
+        // Nobody can create a file there, whoever runs this.
         for bad in ["/proc", "/proc/new/deeper"] {
             let e = said(folder(Some(Path::new(bad)), &NONE));
             assert!(e.starts_with(&format!("{bad}: cannot be written: ")), "{e}");

@@ -1,4 +1,4 @@
-//! Measured data as a diagnosis takes it: `FILE[@T0..T1]`, in mm, N and s.
+//! Measured data as input for a diagnosis: `FILE[@T0..T1]`, in mm, N and s.
 
 use super::columns::Columns;
 use super::missing_rows;
@@ -10,13 +10,12 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A file, and the part of it that is meant.
+/// A file, and the part of it to use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilePart {
     /// The file.
     pub file: PathBuf,
-    /// From when to when, s, infinite where it is open; the first belongs to it and the last does not. `None`: the
-    /// whole record.
+    /// Start and end, s, infinite if open; the first is included and the last is not. `None`: the whole record.
     pub span_s: Option<[f64; 2]>,
 }
 
@@ -58,7 +57,7 @@ impl std::str::FromStr for FilePart {
     }
 }
 
-/// Files that were read, each once however many parts of it are used.
+/// Files that were read, each once, however many of its parts are used.
 #[derive(Debug, Default)]
 pub struct RecordFiles {
     read: HashMap<PathBuf, SiRecording>,
@@ -66,7 +65,7 @@ pub struct RecordFiles {
 }
 
 impl RecordFiles {
-    /// With what is said on the command line about the files' columns.
+    /// With the command line's statements about the files' columns.
     pub fn with(columns: &Columns) -> Self {
         Self {
             read: HashMap::new(),
@@ -74,10 +73,10 @@ impl RecordFiles {
         }
     }
 
-    /// The parts, in order; one with gaps is as many recordings as it has pieces.
+    /// The parts, in order; one with gaps gives as many recordings as it has pieces.
     ///
     /// # Errors
-    /// A file that cannot be used; a span that is not inside its record.
+    /// A file that cannot be used; a span outside its record.
     pub fn parts(&mut self, parts: &[FilePart]) -> Result<Vec<diagnosis::Recording>, Failure> {
         let each: Vec<Vec<_>> = parts
             .iter()
@@ -86,10 +85,10 @@ impl RecordFiles {
         Ok(each.into_iter().flatten().collect())
     }
 
-    /// The longest piece of a part, for what is fitted to one record.
+    /// The longest piece of a part, for fits to a single record.
     ///
     /// # Errors
-    /// As [`RecordFiles::parts`].
+    /// As for [`RecordFiles::parts`].
     pub fn longest(&mut self, part: &FilePart) -> Result<diagnosis::Recording, Failure> {
         longest_part_of(self.whole_file(&part.file)?, part.span_s)
     }
@@ -105,7 +104,7 @@ impl RecordFiles {
         self.force_has_unit() && self.read.values().any(|r| r.force().is_some())
     }
 
-    /// The recording behind `path`; one file under two names is one recording.
+    /// The recording in `path`; one file under two names is one recording.
     pub(super) fn whole_file(&mut self, path: &Path) -> Result<&SiRecording, Failure> {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
@@ -119,13 +118,13 @@ impl RecordFiles {
     }
 }
 
-/// The part of a recording between two times, on an even grid: one recording, or where more than twenty rows are missing one for
-/// each piece between the gaps. Nothing is put into a gap, and what has memory begins again behind it. Of fewer rows the
-/// recording knows that nobody measured them.
+/// The part of a recording between two times, on an even grid: one recording, or, if more than twenty rows are missing,
+/// one for each piece between the gaps. Gaps are not filled, and what has memory starts anew after them. For fewer
+/// missing rows the recording marks them as unmeasured.
 ///
 /// # Errors
-/// A span that is not inside the record; time that does not increase; a quantity without a number inside the span; a fifth
-/// of the time without rows; no piece that is long enough.
+/// A span outside the record; time that does not increase; a quantity without a number inside the span; a fifth of the
+/// time without rows; no piece that is long enough.
 pub fn parts_of(
     recording: &SiRecording,
     span_s: Option<[f64; 2]>,
@@ -136,7 +135,7 @@ pub fn parts_of(
             refuse_gap(recording, &rows)?;
             (recording.between_gaps(&rows), rows)
         }
-        // That it is empty is said below.
+        // An empty span is reported below.
         None => (0..n, 0..n),
     };
     let gaps = diagnosis::gaps(&recording.time_s[sound.clone()]);
@@ -171,7 +170,7 @@ pub fn parts_of(
         .into_iter()
         .map(|piece| {
             let [from, to] = [piece.start.max(rows.start), piece.end.min(rows.end)];
-            // Open where it ends at a gap.
+            // Open if it ends at a gap.
             let behind = if to == piece.end {
                 f64::INFINITY
             } else {
@@ -193,10 +192,10 @@ pub fn parts_of(
     Ok(parts)
 }
 
-/// The longest of [`parts_of`], for what is fitted to one record.
+/// The longest of [`parts_of`], for fits to a single record.
 ///
 /// # Errors
-/// As [`parts_of`].
+/// As for [`parts_of`].
 pub fn longest_part_of(
     recording: &SiRecording,
     span_s: Option<[f64; 2]>,
@@ -218,7 +217,7 @@ pub fn longest_part_of(
     Ok(longest)
 }
 
-/// The part of a piece without gaps between two times, on an even grid.
+/// The part between two times of a piece without gaps, on an even grid.
 fn part_of(
     recording: &SiRecording,
     sound: Range<usize>,
@@ -229,11 +228,11 @@ fn part_of(
         None => whole,
         Some(span_s) => match inside(&whole, span_s)? {
             even if even.uneven_at().is_none() => even,
-            // Uneven parts of a file on one grid, where one can be laid through the whole of it.
+            // Put uneven parts of a file on one grid, if one fits the whole of it.
             _ => inside(&whole.clone().made_even().unwrap_or(whole), span_s)?,
         },
     };
-    // A step backward has a line in the file; what else is wrong has none.
+    // A step backward has a line in the file; other errors do not.
     if used.uneven_at().is_some()
         && let Some(sample) = used.backward_at()
     {
@@ -243,7 +242,7 @@ fn part_of(
     used.made_even().map_err(Failure::input)
 }
 
-/// That every quantity has a number in these rows.
+/// Checks that every quantity has a number in these rows.
 ///
 /// # Errors
 /// The first gap.
@@ -256,7 +255,7 @@ pub(super) fn refuse_gap(recording: &SiRecording, rows: &Range<usize>) -> Result
     }
 }
 
-/// The rows of a span, or of all; `None`: none is in it.
+/// The rows of a span, or all rows; `None` if the span contains none.
 fn rows_of(recording: &SiRecording, span_s: Option<[f64; 2]>) -> Option<Range<usize>> {
     let [from_s, to_s] = span_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let inside = |t: &f64| (from_s..to_s).contains(t);
@@ -270,7 +269,7 @@ fn inside(
     [from_s, to_s]: [f64; 2],
 ) -> Result<diagnosis::Recording, Failure> {
     let (first, last) = (whole.time_s[0], whole.time_s[whole.time_s.len() - 1]);
-    // Half open: the end may lie one interval behind the last sample, and intervals may be uneven.
+    // Half-open: the end may lie one interval after the last sample, and intervals may be uneven.
     let steps = whole.time_s.windows(2).map(|t| t[1] - t[0]);
     let room = 1.5 * steps.fold(whole.interval_s(), f64::max);
     let open = |s: f64| s.is_infinite();
@@ -281,7 +280,7 @@ fn inside(
     Ok(whole.span(from_s, to_s))
 }
 
-/// That a span is not inside its record.
+/// The refusal of a span outside its record.
 fn outside(name: &str, [from_s, to_s]: [f64; 2], [first, last]: [f64; 2]) -> Failure {
     Failure::input(format!(
         "{name}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s"
@@ -301,7 +300,7 @@ pub fn in_mm(recording: &SiRecording, rows: Range<usize>) -> diagnosis::Recordin
     }
 }
 
-/// The lowest axis of a test that ran, in mm, N and s.
+/// The lowest axis of a test that was run, in mm, N and s.
 pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
     let floor = &trace.floors[0];
     let mm = |x: &[f32]| x.iter().map(|x| f64::from(*x) * 1e3).collect();
@@ -315,7 +314,7 @@ pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
     }
 }
 
-/// The force has no unit in the file: nothing that is said of it may have one.
+/// For a force without a unit in the file: removes units from every statement about it.
 pub fn without_force_unit(diagnosis: &mut Diagnosis) {
     if let Some(specimen) = &mut diagnosis.improved.specimen {
         specimen.force_unit = ForceUnit::Without;
@@ -372,7 +371,7 @@ mod tests {
         );
     }
 
-    /// A sine at 1 kHz without the rows that `lost` says.
+    /// A sine at 1 kHz without the rows selected by `lost`.
     fn with_lost(lost: impl Fn(usize) -> bool) -> SiRecording {
         let row = |i: usize| {
             let t = i as f64 * 1e-3;
@@ -403,7 +402,7 @@ mod tests {
             let recorded = |(t, x): (&f64, &f64)| (x - (6.0 * t).sin()).abs() < 1e-3;
             assert!(part.time_s.iter().zip(x).all(recorded));
         }
-        // A span that leaves the gap out knows nothing of it.
+        // A span without the gap does not mention it.
         for span in [[0.0, 4.9], [5.3, 15.0]] {
             let parts = parts_of(&recording, Some(span)).unwrap();
             assert_eq!((parts.len(), &parts[0].remarks[..]), (1, &[][..]));
@@ -421,7 +420,7 @@ mod tests {
             "{:?}",
             longest.remarks
         );
-        // A third of the rows in 66 gaps: ten are named, and it is refused.
+        // A third of the rows in 66 gaps: ten are named, and the record is refused.
         let e = parts_of(&with_lost(|i| i % 300 >= 200), None)
             .unwrap_err()
             .to_string();
@@ -451,10 +450,10 @@ mod tests {
         let before = part(Some([0.0, 4.9]));
         assert_eq!((before.time_s.len(), &before.remarks[..]), (4900, &[][..]));
         assert!(before.unmeasured().is_empty());
-        // A part that begins behind some and ends behind others knows its own.
+        // A part that begins after some and ends after others mentions its own.
         let inside = part(Some([5.5, 14.0]));
         assert_eq!(inside.unmeasured(), [3500, 3501, 3502, 6500]);
-        // Two of seven rows, again and again.
+        // Two of seven rows, repeatedly.
         let e = parts_of(&with_lost(|i| matches!(i % 7, 2 | 3)), None).unwrap_err();
         assert!(
             e.to_string().contains("28.6 % of the time has no rows"),

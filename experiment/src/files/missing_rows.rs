@@ -1,19 +1,19 @@
-//! Rows that are missing in a record: where, how many, and what becomes of them.
+//! Missing rows of a record: where, how many, and the consequences.
 
 use super::recording::SiRecording;
 use crate::failure::Failure;
 use crate::numbers::percent;
 use std::ops::Range;
 
-/// Missing rows are refused from this share of the time on.
+/// Fraction of the time from which missing rows are refused.
 const MOST_MISSING: f64 = 0.2;
-/// Gaps that are named one by one.
+/// Largest number of gaps listed individually.
 const MOST_NAMED: usize = 10;
 
-/// What is said of rows that are missing between some; `None`: none is.
+/// The remark on missing rows within a range; `None` if there are none.
 ///
 /// # Errors
-/// So many that what is left is no record of the motion.
+/// So many that the remainder is not a record of the motion.
 pub fn said(recording: &SiRecording, rows: &Range<usize>) -> Result<Option<String>, Failure> {
     let time_s = &recording.time_s[rows.clone()];
     let lost = diagnosis::missing_rows(time_s);
@@ -28,7 +28,7 @@ pub fn said(recording: &SiRecording, rows: &Range<usize>) -> Result<Option<Strin
         0 => String::new(),
         more => format!(", and in {more} gaps more"),
     };
-    // The longest are named, as they come.
+    // The longest are named, in order of occurrence.
     inside.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
     inside.truncate(MOST_NAMED);
     inside.sort_by(|a, b| a[0].total_cmp(&b[0]));

@@ -38,10 +38,10 @@ use crate::failure::Failure;
 use note::note;
 use std::path::Path;
 
-/// Reads a text file, whatever its encoding is.
+/// Reads a text file in any encoding.
 ///
 /// # Errors
-/// A file that cannot be read or is no text, by its name.
+/// A file, with its name, that cannot be read or is not text.
 pub fn read(path: &Path) -> Result<String, Failure> {
     decode::text(&path.display().to_string(), decode::bytes(path)?)
 }

@@ -1,4 +1,4 @@
-//! The declared model: what the laboratory believes of its rig, and what a diagnosis made of it.
+//! The declared model: the laboratory's belief about its rig, and what a diagnosis made of it.
 
 use super::{plain, read, units};
 use crate::failure::Failure;
@@ -9,7 +9,7 @@ use toml::{Table, Value};
 /// Reads and checks a model.
 ///
 /// # Errors
-/// A file that cannot be read; a key or value that cannot be used, with its place.
+/// A file that cannot be read; a key or value that cannot be used, with its path.
 pub fn load(path: &Path) -> Result<Model, Failure> {
     parse(&path.display().to_string(), &read(path)?)
 }
@@ -17,7 +17,7 @@ pub fn load(path: &Path) -> Result<Model, Failure> {
 /// Reads and checks a model in `text`, which came from `file`.
 ///
 /// # Errors
-/// As [`load`], but for the file.
+/// As for [`load`], without the file's own.
 pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     let read = match with_units(text).map_err(|why| Failure::input(format!("{file}: {why}")))? {
         Some(model) => Ok(model),
@@ -39,9 +39,9 @@ pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     Ok(model)
 }
 
-/// The model, where a value of it says its unit.
+/// The model, if a value in it states its unit.
 fn with_units(text: &str) -> Result<Option<Model>, String> {
-    // What is no TOML is refused with its line by whoever reads it without units.
+    // Invalid TOML is refused with its line by the reader without units.
     let Ok(table) = text.parse::<Table>() else {
         return Ok(None);
     };
@@ -53,7 +53,7 @@ fn with_units(text: &str) -> Result<Option<Model>, String> {
     plain::typed("", Value::Table(converted)).map(Some)
 }
 
-/// True for a file whose effects are the inner numbers of a fit.
+/// True for a file whose effects are the internal numbers of a fit.
 fn fit_vectors(text: &str) -> bool {
     text.lines().any(|line| {
         let line = line.trim_start();
@@ -61,10 +61,10 @@ fn fit_vectors(text: &str) -> bool {
     })
 }
 
-/// A model as text that [`load`] reads back.
+/// A model as text that [`load`] can read.
 ///
 /// # Errors
-/// None that a checked model can have.
+/// None for a checked model.
 pub fn to_toml(model: &Model) -> Result<String, Failure> {
     toml::to_string(model)
         .map_err(|e| Failure::test(format!("the model cannot be written as TOML: {e}")))

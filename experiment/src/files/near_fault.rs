@@ -9,8 +9,8 @@ const INTERVAL_S: f64 = 0.01;
 const LENGTH_S: f64 = 30.0;
 
 /// A velocity pulse after Mavroeidis and Papageorgiou (Bull. Seism. Soc. Am. 93, 2003, Eq 3) with a prevailing period
-/// of 1.1 s, and above it a band of 2 to 9 Hz as a stationary part would have it, under a rising and falling envelope.
-/// Sines at fixed irrational ratios, no random numbers: the same on every machine.
+/// of 1.1 s, plus a band of 2 to 9 Hz as in a stationary process, under a rising and falling envelope. It uses sines at
+/// fixed irrational ratios and no random numbers: the same on every machine.
 pub fn near_fault() -> GroundMotionFile {
     let pulse = |t: f64| pulse_velocity_m_per_s(t - 5.0);
     let h = 1e-4;

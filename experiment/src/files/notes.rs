@@ -1,8 +1,8 @@
-//! What the reader of a recording may want to know before it is used: columns that may be what is missing.
+//! Notes for the user of a recording: columns that may be a missing quantity.
 
 use super::table::NumberTable;
 
-/// Sentences about a table. `has`: whether a quantity was found in it.
+/// Notes on a table. `has`: true if a quantity was found in it.
 pub fn of(table: &NumberTable, has: impl Fn(&str) -> bool) -> Vec<String> {
     let missing = ["command", "displacement", "force"]
         .into_iter()
@@ -11,7 +11,7 @@ pub fn of(table: &NumberTable, has: impl Fn(&str) -> bool) -> Vec<String> {
     suggested.collect()
 }
 
-/// The columns that may be a quantity which is missing.
+/// The columns that may be a missing quantity.
 fn suggestion(table: &NumberTable, quantity: &str) -> Option<String> {
     let may_be = table
         .headers

@@ -1,4 +1,4 @@
-//! A folder of results that is there whole or not at all.
+//! A folder of results that is written completely or not at all.
 
 use super::note;
 use super::place::{Place, cannot, refuse_no_folder};
@@ -7,11 +7,11 @@ use std::fs::{self, File};
 use std::io::{Error, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes `files` into `folder`: first beside their places, then all of them renamed. A place that is a link is
-/// followed; one that is no regular file, such as a pipe or a device, is written to as it stands.
+/// Writes `files` into `folder`: first under temporary names, then renames them all. Links are followed; what is not a
+/// regular file, such as a pipe or a device, is written to directly.
 ///
 /// # Errors
-/// A folder or file that cannot be written; what was there before is left as it was.
+/// A folder or file that cannot be written; previous contents are unchanged.
 pub fn write_all<N: AsRef<str>, T: AsRef<[u8]>>(
     folder: &Path,
     files: &[(N, T)],
@@ -36,7 +36,7 @@ fn put<N: AsRef<str>, T: AsRef<[u8]>>(
     refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
     write_into(folder, files).inspect_err(|_| {
-        // Nothing of a result that could not be written; a folder with something in it stays.
+        // Remove all of a result that could not be written; a non-empty folder stays.
         if new {
             let _ = fs::remove_dir(folder);
         }
@@ -81,19 +81,19 @@ fn write_into<N: AsRef<str>, T: AsRef<[u8]>>(
     Ok(replaced)
 }
 
-/// Writes one file, whole or not at all; see [`write_all`].
+/// Writes one file, completely or not at all; see [`write_all`].
 ///
 /// # Errors
-/// A file that cannot be written; what was there before is left as it was.
+/// A file that cannot be written; previous contents are unchanged.
 pub fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
     let (folder, name) = parts(path)?;
     write_all(folder, &[(name, text)])
 }
 
-/// Writes a file back that was read to be changed: to replace it is what was asked for, and is not said.
+/// Writes back a file that was read to be changed: replacing it is intended, and not reported.
 ///
 /// # Errors
-/// As [`write`].
+/// As for [`write`].
 pub fn write_back(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
     let (folder, name) = parts(path)?;
     put(folder, &[(name, text)]).map(drop)
@@ -111,7 +111,7 @@ fn parts(path: &Path) -> Result<(&Path, &str), Failure> {
     Ok((folder.unwrap_or(Path::new(".")), name))
 }
 
-/// `text` in a new file beside `place`, to be renamed to it.
+/// `text` in a new file next to `place`, to be renamed to it.
 fn temporary_file(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::TempPath, Error> {
     let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
@@ -120,7 +120,7 @@ fn temporary_file(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::Tem
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // As any new file: the system's mask is applied to it.
+        // As for any new file: the system's mask is applied.
         let as_new = fs::Permissions::from_mode(0o666);
         builder.permissions(fs::metadata(place).map_or(as_new, |m| m.permissions()));
     }

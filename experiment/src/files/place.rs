@@ -1,4 +1,4 @@
-//! What a path leads to, before something is written there.
+//! Resolves a path before something is written there.
 
 use super::plain;
 use crate::failure::Failure;
@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 /// What a path leads to.
 pub(super) enum Place {
-    /// A regular file, or none yet; where it really is.
+    /// A regular file, existing or not, with its real path.
     File(PathBuf),
-    /// Something that has to be written to and must not be replaced.
+    /// Something that must be written to and not replaced.
     Stream,
 }
 
@@ -24,7 +24,7 @@ impl Place {
             Ok(found) if found.is_file() => Ok(Self::File(path.canonicalize()?)),
             Ok(found) if found.is_dir() => Err(Error::other("it is a folder")),
             Ok(_) => Ok(Self::Stream),
-            // A link to a file that is not there yet: the file is made, the link stays.
+            // A link to a file that does not exist yet: the file is created, the link stays.
             Err(_) => match fs::read_link(path) {
                 Ok(target) => Ok(Self::File(
                     path.parent().unwrap_or(Path::new("")).join(target),
@@ -35,10 +35,10 @@ impl Place {
     }
 }
 
-/// That something is a folder, or nothing yet.
+/// Checks that something is a folder, or does not exist yet.
 ///
 /// # Errors
-/// Something else.
+/// Anything else.
 pub(super) fn refuse_no_folder(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
         return Err(Failure::input(format!(
@@ -49,7 +49,7 @@ pub(super) fn refuse_no_folder(folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The sentence of a place that cannot be written.
+/// The message for a place that cannot be written.
 pub(super) fn cannot(path: &Path, e: &Error) -> Failure {
     Failure::input(format!(
         "{}: cannot be written: {}",

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use toml::Value;
 
-/// A longer line is not quoted.
+/// Lines longer than this are not quoted.
 const LONGEST_LINE: usize = 80;
 
 /// Rust's words and an engineer's.
@@ -44,14 +44,14 @@ const WORDS: [(&str, &str); 16] = [
     ),
     ("expected a borrowed string", "expected a text"),
     ("expected a string", "expected a text"),
-    // The tables that are read apart from the rest.
+    // The tables that are read separately.
     (
         "expected one of `structure`",
         "expected one of `plant`, `excitation`, `declared`, `board`, `serve`, `watch`, `coupled`, `structure`",
     ),
 ];
 
-/// The sentence of a deserialiser, in one line.
+/// A deserialiser's message, in one line.
 pub fn sentence(said: &str) -> String {
     let mut text = said.split_whitespace().collect::<Vec<_>>().join(" ");
     for (rust, plain) in WORDS {
@@ -65,14 +65,14 @@ pub fn sentence(said: &str) -> String {
     {
         text = format!("{} stands there: accepted is {wanted}", plain_kind(found));
     }
-    // A list is read until it is full: how long it was meant to be is not known.
+    // A list is read until it is full: its intended length is unknown.
     if text.starts_with("invalid length ") && text.ends_with("expected a sequence") {
         text = "has too many values: accepted are at most 8 values".into();
     }
     text
 }
 
-/// A value of the wrong kind, as the readers show it, in plain words.
+/// A value of the wrong kind, as shown by the readers, in plain words.
 fn plain_kind(found: &str) -> String {
     let quoted = |text: &str| text.trim_matches('`').to_owned();
     match found.split_once(' ') {
@@ -87,7 +87,7 @@ fn plain_kind(found: &str) -> String {
     }
 }
 
-/// The line of a file that a mistake in its TOML stands in, and what is wrong there.
+/// The line of a file with a TOML error, and the error.
 pub fn in_line(text: &str, mistake: &toml::de::Error) -> String {
     let said = sentence(mistake.message());
     let Some(span) = mistake.span() else {
@@ -102,7 +102,7 @@ pub fn in_line(text: &str, mistake: &toml::de::Error) -> String {
     format!("line {number}, `{line}`: {said}")
 }
 
-/// What went wrong with a file, without the number that the system gives it.
+/// The reason for a file error, without the system's error number.
 pub fn reason(e: &std::io::Error) -> String {
     let text = e.to_string();
     match text.split_once(" (os error") {
@@ -111,7 +111,7 @@ pub fn reason(e: &std::io::Error) -> String {
     }
 }
 
-/// A table as what it should be, or where in it the mistake is.
+/// Converts a table to its type, or reports the location of the error.
 ///
 /// # Errors
 /// A key or value that cannot be used, with its path.
@@ -131,10 +131,10 @@ pub fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String>
     })
 }
 
-/// The table `name` of a test file; its defaults where it is left out.
+/// The table `name` of a test file; its defaults if it is omitted.
 ///
 /// # Errors
-/// A key or value that is refused.
+/// A refused key or value.
 pub fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
     value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
 }

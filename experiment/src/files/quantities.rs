@@ -1,9 +1,9 @@
-//! The quantities of recorded data, and the units that each can have.
+//! The quantities of recorded data, and the units that each may have.
 
-/// A unit, and what it is in SI.
+/// A unit, and its value in SI.
 pub type UnitOf = (&'static str, f64);
 
-/// The displacement of a rotation is an angle.
+/// A rotation's displacement is an angle.
 const LENGTH: &[UnitOf] = &[
     ("m", 1.0),
     ("mm", 1e-3),
@@ -16,7 +16,7 @@ const LENGTH: &[UnitOf] = &[
 pub const ANGLE: &str = "rad";
 /// The unit of a moment.
 pub const MOMENT: &str = "n_m";
-/// Pounds are those of NIST SP 811.
+/// Pounds according to NIST SP 811.
 const FORCE: &[UnitOf] = &[
     ("n", 1.0),
     ("kn", 1e3),
@@ -26,14 +26,14 @@ const FORCE: &[UnitOf] = &[
     (MOMENT, 1.0),
     ("1", 1.0),
 ];
-/// Of a rotation as well, as the next.
+/// For a rotation as well, like the next.
 const SPEED: &[UnitOf] = &[("m_per_s", 1.0), ("mm_per_s", 1e-3), ("rad_per_s", 1.0)];
 const ACCELERATION: &[UnitOf] = &[("m_per_s2", 1.0), ("g", 9.80665), ("rad_per_s2", 1.0)];
 const ENERGY: &[UnitOf] = &[("j", 1.0)];
-/// What has no unit.
+/// Dimensionless.
 pub const PLAIN: &[UnitOf] = &[("1", 1.0)];
 
-/// The quantities that are known, and the units that each can have; the first is the one that is written.
+/// The known quantities, and the units that each may have; the first is the one written.
 pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
     (
         "time",
@@ -59,12 +59,12 @@ pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
     ("flags", PLAIN),
 ];
 
-/// The quantity that a name begins with; its axis and unit where the rest of the name says both.
+/// The quantity that a name begins with; its axis and unit if the rest of the name gives both.
 pub type Known<'a> = (&'static str, &'static [UnitOf], Option<(usize, &'a str)>);
 
-/// What a name in a header means.
+/// The meaning of a name in a header.
 pub fn known(name: &str) -> Option<Known<'_>> {
-    // The longest quantity that the name begins with: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.
+    // The longest matching quantity: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.
     let (quantity, units, rest) = QUANTITIES
         .iter()
         .filter_map(|(quantity, units)| Some((*quantity, *units, name.strip_prefix(quantity)?)))

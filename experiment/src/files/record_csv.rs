@@ -4,8 +4,8 @@ use super::channels;
 use crate::trace::Trace;
 use std::fmt::Write as _;
 
-/// The record as CSV. Values are single precision and written with as many digits as identify them, so that they read
-/// back to the same bits; time is that of the laboratory.
+/// The record as CSV. Values are in single precision, with as many digits as identify them, so that they read back to
+/// the same bits; time is laboratory time.
 pub fn to_csv(trace: &Trace) -> String {
     let columns = channels::of(trace);
     let mut text = String::with_capacity(trace.len() * 12 * (columns.len() + 3));

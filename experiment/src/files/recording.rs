@@ -1,8 +1,8 @@
-//! Recorded data: columns whose header names `quantity_unit`, for example `time_s,command_mm,displacement_mm,force_kn`,
-//! as CSV in any dialect ([`super::table`]), MAT or HDF5 ([`super::binary`]). Headers as instruments write them are
-//! understood ([`super::header`]), and what they do not say is said on the command line ([`super::columns`]).
+//! Recorded data: columns with headers `quantity_unit`, for example `time_s,command_mm,displacement_mm,force_kn`, as
+//! CSV in any dialect ([`super::table`]), MAT or HDF5 ([`super::binary`]). Headers as instruments write them are
+//! understood ([`super::header`]), and missing information is given on the command line ([`super::columns`]).
 //!
-//! Several axes are told apart by a number after the quantity: `force_n` is that of axis 1, `force2_n` that of axis 2.
+//! Several axes are distinguished by a number after the quantity: `force_n` belongs to axis 1, `force2_n` to axis 2.
 //! [`crate::files::record_csv`] writes the same format.
 
 use super::any_table;
@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use std::ops::Range;
 use std::path::Path;
 
-/// The quantities that are judged: a cell of theirs that is no number is a gap.
+/// The quantities that are judged: one of their cells that is not a number is a gap.
 const JUDGED: [&str; 4] = ["command", "target", "displacement", "force"];
 
 /// A recording in SI units.
@@ -25,13 +25,13 @@ pub struct SiRecording {
     pub file: String,
     /// Time, s; increases.
     pub time_s: Vec<f64>,
-    /// Everything else, in the order of the file.
+    /// Everything else, in file order.
     pub columns: Vec<Column>,
     /// Line of each row.
     pub lines: Vec<u64>,
-    /// What the reader may want to know of columns that were not understood.
+    /// Notes for the user on columns that were not understood.
     pub notes: Vec<String>,
-    /// Rows in which a quantity has no number, in their order, and how that is refused: whoever uses columns asks
+    /// Rows in which a quantity has no number, in order, with their refusals: users of columns check
     /// [`SiRecording::gap_in`].
     gaps: Vec<(usize, Failure)>,
     /// What a row is called in messages.
@@ -41,14 +41,14 @@ pub struct SiRecording {
 /// One measured quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// What was measured: `command`, `displacement`, `force`, ...; a quantity that this program does not know has its
-    /// whole name here.
+    /// What was measured: `command`, `displacement`, `force`, ...; for a quantity unknown to this program its whole
+    /// name.
     pub quantity: String,
     /// The axis, 1 being the lowest.
     pub axis: usize,
     /// The unit in the header.
     pub unit: String,
-    /// Values in SI units, or in the file's own unit where that is `1` or not known.
+    /// Values in SI units, or in the file's own unit if that is `1` or unknown.
     pub values: Vec<f64>,
 }
 
@@ -59,25 +59,25 @@ impl Column {
     }
 }
 
-/// The longest displacement of a test rig, m: beyond it the unit is not what the file says.
+/// Largest displacement of a test rig, m: above it the file's unit must be wrong.
 const LONGEST_M: f64 = 20.0;
 
 impl SiRecording {
     /// Reads `path`.
     ///
     /// # Errors
-    /// A file that cannot be read, and all of [`SiRecording::parse`].
+    /// A file that cannot be read, and all those of [`SiRecording::parse`].
     pub fn load(path: &Path) -> Result<Self, Failure> {
         Self::load_with_any_time(path, &Columns::default())?
             .without_gaps()?
             .with_rising_time()
     }
 
-    /// The same, but time and gaps are left to be judged by the caller: where time is written with few digits it may repeat
-    /// itself, and a part of a record may be sound where the whole is not.
+    /// The same, but time and gaps are left for the caller to judge: time written with few digits may repeat, and a
+    /// part of a record may be sound even if the whole is not.
     ///
     /// # Errors
-    /// As [`SiRecording::load`], but for time that does not increase.
+    /// As for [`SiRecording::load`], except for gaps and for time that does not increase.
     pub fn load_with_any_time(path: &Path, columns: &Columns) -> Result<Self, Failure> {
         let recording = Self::of(
             any_table::read(path, !columns.assigned.is_empty())?,
@@ -87,10 +87,10 @@ impl SiRecording {
         Ok(recording)
     }
 
-    /// Columns by their names, `time_s` and `command_mm` for instance; `name` stands in messages.
+    /// From columns with names such as `time_s` and `command_mm`; `name` is for messages.
     ///
     /// # Errors
-    /// As of a file with such columns.
+    /// As for a file with such columns.
     pub fn of_columns(
         name: &str,
         names: &[String],
@@ -102,7 +102,7 @@ impl SiRecording {
         Ok(recording)
     }
 
-    /// That no displacement is longer than a rig.
+    /// Checks that no displacement is longer than a rig.
     fn check_lengths(&self) -> Result<(), Failure> {
         let lengths = ["command", "displacement"];
         for column in self
@@ -123,13 +123,13 @@ impl SiRecording {
     /// Reads `text`, which came from `file`.
     ///
     /// # Errors
-    /// With the line: a unit that the quantity cannot have, a quantity twice, time that is missing or does not
-    /// increase, a row of another length than the header, a cell that is no finite number.
+    /// With the line: an inadmissible unit for a quantity, a duplicate quantity, missing or non-increasing time, a row
+    /// of a different length from the header, a cell that is not a finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
         Self::of(NumberTable::parse(file, text)?, &Columns::default())?.with_rising_time()
     }
 
-    /// The recording, where every quantity has a number in every row.
+    /// The recording, if every quantity has a number in every row.
     ///
     /// # Errors
     /// The first gap.
@@ -139,13 +139,13 @@ impl SiRecording {
         Ok(self)
     }
 
-    /// The first gap in these rows: its time, s, and how it is refused.
+    /// The first gap in these rows: its time, s, and its refusal.
     pub fn gap_in(&self, rows: &Range<usize>) -> Option<(f64, &Failure)> {
         let (row, refusal) = self.gaps.iter().find(|(row, _)| rows.contains(row))?;
         Some((self.time_s[*row], refusal))
     }
 
-    /// The rows around `rows` from the gap before them to the gap behind them.
+    /// The rows around `rows` from the gap before them to the gap after them.
     pub fn between_gaps(&self, rows: &Range<usize>) -> Range<usize> {
         let gaps = || self.gaps.iter().map(|(row, _)| *row);
         let before = gaps().rfind(|row| *row < rows.start);
@@ -164,7 +164,7 @@ impl SiRecording {
     pub(super) fn of(table: NumberTable, said: &Columns) -> Result<Self, Failure> {
         let assigned = assign(&table, &said.assigned)?;
         let mut notes = Vec::new();
-        // A column with a cell that is no number is a gap in a quantity, and left out where it is none.
+        // A column with a cell that is not a number has a gap if it is a quantity, and is omitted otherwise.
         let bad_in = |j: usize| table.bad.iter().find(move |b| b.column == j);
         let mut used = Vec::new();
         let mut columns: Vec<Column> = Vec::with_capacity(table.headers.len());
@@ -179,7 +179,7 @@ impl SiRecording {
                             continue;
                         }
                     };
-                    // What was said on the command line stands above what a name suggests.
+                    // The command line takes precedence over what a name suggests.
                     let taken =
                         |(_, a): &(usize, &ColumnAssignment)| a.quantity == found.0.quantity;
                     if found.0.axis == 1 && assigned.iter().any(taken) {
@@ -228,7 +228,7 @@ impl SiRecording {
         })
     }
 
-    /// That time is wrong at a row.
+    /// The refusal of a row's time.
     pub fn refuse_time(&self, row: usize) -> Failure {
         Failure::input(format!(
             "{}, {} {}: time {} s follows on {} s: accepted is time that increases, by equal intervals",
@@ -247,12 +247,12 @@ impl SiRecording {
             .find(|c| c.quantity == quantity && c.axis == axis)
     }
 
-    /// u_c of axis 1, m; none of a rotation.
+    /// u_c of axis 1, m; none for a rotation.
     pub fn command_m(&self) -> Option<&[f64]> {
         self.linear("command")
     }
 
-    /// u_m of axis 1, m; none of a rotation.
+    /// u_m of axis 1, m; none for a rotation.
     pub fn displacement_m(&self) -> Option<&[f64]> {
         self.linear("displacement")
     }
@@ -262,7 +262,7 @@ impl SiRecording {
         (!column.is_of_rotation()).then_some(&column.values[..])
     }
 
-    /// R_m of axis 1: N, or the file's own unit where [`SiRecording::force_has_unit`] says no; none of a moment.
+    /// R_m of axis 1: N, or the file's own unit if [`SiRecording::force_has_unit`] is false; none for a moment.
     pub fn force(&self) -> Option<&[f64]> {
         self.linear("force")
     }
@@ -273,7 +273,7 @@ impl SiRecording {
     }
 }
 
-/// The columns that the command line names, by their places.
+/// The columns that the command line names, by their indices.
 fn assign<'a>(
     table: &NumberTable,
     assigned: &'a [ColumnAssignment],
@@ -303,7 +303,7 @@ fn assign<'a>(
     assigned.iter().map(place).collect()
 }
 
-/// The unit of a column that the command line names: from there, else from its header.
+/// A column that the command line names, with its unit from there, else from its header.
 fn assigned_column(
     table: &NumberTable,
     header: &Header,
@@ -336,7 +336,7 @@ fn assigned_column(
     }
 }
 
-/// What the name of a column means, and its factor to SI; or why it is left out, where --rate stands for its times.
+/// The meaning of a column's name, and its factor to SI; or why it is omitted, if --rate replaces its times.
 fn meaning(
     table: &NumberTable,
     header: &Header,
@@ -347,7 +347,7 @@ fn meaning(
     let clock = header.likely() == Some("time") || header.base.starts_with("time");
     Ok(match (bad.filter(|_| clock), rate_hz.filter(|_| clock)) {
         (None, None) => Ok(found?),
-        // No unit makes seconds of times of day.
+        // No unit turns times of day into seconds.
         (Some(bad), None) => Ok(found.map_err(|_| table.refuse_cell(bad))?),
         (Some(bad), Some(_)) => Err(left_out(table, bad)),
         (None, Some(_)) => found.map_err(|_| {
@@ -359,7 +359,7 @@ fn meaning(
     })
 }
 
-/// That a column of something else is not used.
+/// The note that a column of another quantity is not used.
 fn left_out(table: &NumberTable, bad: &BadCell) -> String {
     format!(
         "{}: the column `{}` is left out: `{}` in {} {} is no number",
@@ -367,7 +367,7 @@ fn left_out(table: &NumberTable, bad: &BadCell) -> String {
     )
 }
 
-/// A column under a name that is not looked into.
+/// A column under a name that is not interpreted.
 fn unknown(name: &str) -> Column {
     Column {
         quantity: name.to_owned(),
@@ -377,7 +377,7 @@ fn unknown(name: &str) -> Column {
     }
 }
 
-/// The times of the rows, s, which are taken out of the columns where they stand there; else of a rate.
+/// The times of the rows, s, taken out of the columns if they are there; else from a rate.
 fn times(
     table: &NumberTable,
     columns: &mut Vec<Column>,
@@ -415,7 +415,7 @@ fn times(
     Ok(time_s)
 }
 
-/// That a table has no time, and how to say which column it is.
+/// The refusal of a table without time, with how to state its column.
 fn no_time(table: &NumberTable) -> Failure {
     let names: Vec<&str> = table.headers.iter().map(|h| h.text.as_str()).collect();
     table.refuse_header(format!(
@@ -424,7 +424,7 @@ fn no_time(table: &NumberTable) -> Failure {
     ))
 }
 
-/// What a name in the header means, and the factor to SI.
+/// The meaning of a name in the header, and its factor to SI.
 fn column(table: &NumberTable, header: &Header) -> Result<(Column, f64), Failure> {
     let name = header.name(|name| matches!(known(name), Some((_, _, Some(_)))));
     match known(&name) {
@@ -456,7 +456,7 @@ fn column(table: &NumberTable, header: &Header) -> Result<(Column, f64), Failure
     }
 }
 
-/// A name that means a quantity and does not say in which unit it is, or in one that it cannot have.
+/// Refuses a name of a quantity that states no unit, or one that it cannot have.
 fn refuse_unit(table: &NumberTable, header: &Header, quantity: &str, units: &[UnitOf]) -> Failure {
     let accepted: Vec<_> = units
         .iter()

@@ -1,11 +1,11 @@
-//! What core refuses of a test file, by the keys that a person wrote.
+//! Core's refusals of a test file, in terms of the keys that a person wrote.
 
 use crate::numbers::three;
 use crate::rig::declared::Expected;
 use outerloop_core::{Config, Refusal};
 use plant::RigSpec;
 
-/// What core refuses, by the key that stands behind it.
+/// A refusal by core, with the key that is behind it.
 pub fn sentence(e: &Refusal, config: &Config, plant: &RigSpec, expected: Expected) -> String {
     let timing = &config.timing;
     match (e.name, e.accepted) {
@@ -24,7 +24,7 @@ pub fn sentence(e: &Refusal, config: &Config, plant: &RigSpec, expected: Expecte
             };
             format!("{key} has {} values: accepted are {accepted}", e.value)
         }
-        // The delay that is declared to the loop was not in the file: the simulated actuator's stands behind it.
+        // The delay given to the loop was not in the file: it came from the simulated actuator.
         ("compensation.delay_ms", accepted) if expected == Expected::Truth => {
             let storeys = &config.structure.stiffness_n_per_m;
             match plant::Rig::new(plant, storeys, timing.rate_hz, 0) {
@@ -36,7 +36,7 @@ pub fn sentence(e: &Refusal, config: &Config, plant: &RigSpec, expected: Expecte
                 ),
             }
         }
-        // An integration step has three keys, and any of them may be the wrong one.
+        // An integration step has three keys, any of which may be wrong.
         ("loop.rate_hz", accepted) if (10.0..=100_000.0).contains(&timing.rate_hz) => format!(
             "loop.substeps = {}, loop.rate_hz = {} and loop.time_scale = {} make an integration step of {} ms: accepted are \
              {accepted}, which is a step below {} ms here",
@@ -50,7 +50,7 @@ pub fn sentence(e: &Refusal, config: &Config, plant: &RigSpec, expected: Expecte
     }
 }
 
-/// The integration step, s, that core accepts at most: it takes twice the stiffest storey over the lightest mass.
+/// The largest integration step, s, that core accepts: it assumes twice the stiffest storey over the lightest mass.
 fn longest_step_s(config: &Config) -> f64 {
     let s = &config.structure;
     let stiffest = s.stiffness_n_per_m.iter().copied().fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! `[serve]`: how a rig serves a program outside.
+//! `[serve]`: how a rig serves an external program.
 
 use outerloop_core::Pace;
 use schemars::JsonSchema;
@@ -60,7 +60,7 @@ pub enum Length {
 }
 
 impl Length {
-    /// Metres in one.
+    /// Metres per unit.
     pub const fn metres(self) -> f64 {
         match self {
             Self::Metre => 1.0,
@@ -93,7 +93,7 @@ pub enum Force {
 }
 
 impl Force {
-    /// Newtons in one.
+    /// Newtons per unit.
     pub const fn newtons(self) -> f64 {
         match self {
             Self::Newton => 1.0,
@@ -109,7 +109,7 @@ impl Settings {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first that cannot be accepted, in a sentence.
+    /// The first inadmissible one, in a sentence.
     pub fn check(&self) -> Result<(), String> {
         let refuse = |name: &str, value: f64, accepted: &str| {
             Err(format!(

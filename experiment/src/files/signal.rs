@@ -21,13 +21,13 @@ pub enum SignalShape {
     OddMultisine,
 }
 
-/// Interval of a signal that is made, s; its ends rise and fade in so long, s; the period of a multisine, s.
+/// Interval of a generated signal, s; rise and fade time at its ends, s; period of a multisine, s.
 const INTERVAL_S: f64 = 1e-3;
 const FADE_S: f64 = 1.0;
 const PERIOD_S: f64 = 10.0;
-/// Above this frequency, Hz, lines and sweeps shrink with it: the speed stays, as a valve wants it.
+/// Above this frequency, Hz, lines and sweeps shrink with it: the speed stays constant, as suits a valve.
 const LEVEL_HZ: f64 = 1.0;
-/// Draws of phases, of which the one with the lowest peak is taken.
+/// Number of draws of phases, of which the one with the lowest peak is used.
 const DRAWS: u64 = 20;
 
 /// A command.
@@ -35,21 +35,21 @@ const DRAWS: u64 = 20;
 pub struct SignalPoints {
     /// Sampling interval, s.
     pub interval_s: f64,
-    /// Displacement that is commanded, m.
+    /// Commanded displacement, m.
     pub command_m: Vec<f64>,
 }
 
 /// The shortest and the longest signal, s.
 const SECONDS: [f64; 2] = [1.0, 600.0];
-/// A signal begins and ends this near to zero, as a share of its largest way: the rig stands at zero before and after it.
+/// Largest value at a signal's ends, as a fraction of its peak: the rig is at zero before and after it.
 const NEAR_ZERO: f64 = 1e-3;
 
 impl SignalPoints {
     /// Reads a file with a time and a command.
     ///
     /// # Errors
-    /// A file that cannot be read; no command; uneven time; a signal that does not begin and end at zero, is too long or
-    /// too short, or moves nothing.
+    /// A file that cannot be read; no command; uneven time; a signal that does not begin and end at zero, is too long
+    /// or too short, or moves nothing.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let recording = SiRecording::load_with_any_time(path, &Columns::default())?;
         if let Some((_, refusal)) = recording.gap_in(&(0..recording.time_s.len())) {
@@ -84,10 +84,10 @@ impl SignalPoints {
         .map_err(refuse)
     }
 
-    /// Makes a signal of this shape, with a peak in m, from a frequency to another one, Hz, of about so many seconds.
+    /// Makes a signal of this shape, with a peak in m, from one frequency to another, Hz, of about this many seconds.
     ///
     /// # Errors
-    /// A peak, a band or a length that cannot be meant, with what is accepted.
+    /// An inadmissible peak, band or length, with what is accepted.
     pub fn made(
         shape: SignalShape,
         peak_m: f64,
@@ -129,7 +129,7 @@ impl SignalPoints {
             }
             SignalShape::OddMultisine => multisine(last, band_hz),
         };
-        // A raised cosine at both ends: the rig stands before and behind it.
+        // A raised cosine at both ends: the rig is at rest before and after it.
         let fade = |i: usize| {
             let inside_s = time_s(i.min(last - i));
             0.5 - 0.5 * (std::f64::consts::PI * (inside_s / FADE_S).min(1.0)).cos()
@@ -147,7 +147,7 @@ impl SignalPoints {
         .checked()
     }
 
-    /// As a file that [`load`](Self::load) reads back.
+    /// As a file that [`load`](Self::load) can read.
     pub fn to_csv(&self) -> String {
         let mut text = String::from("time_s,command_mm\n");
         for (i, m) in self.command_m.iter().enumerate() {
@@ -156,7 +156,7 @@ impl SignalPoints {
         text
     }
 
-    /// A designed test.
+    /// From a designed test.
     pub fn of(next: &diagnosis::Next) -> Result<Self, Failure> {
         Self {
             interval_s: next.interval_s,
@@ -193,7 +193,7 @@ impl SignalPoints {
         (self.command_m.len() - 1) as f64 * self.interval_s
     }
 
-    /// Largest way from zero, m.
+    /// Largest distance from zero, m.
     pub fn peak_m(&self) -> f64 {
         self.command_m.iter().fold(0.0, |m, x| x.abs().max(m))
     }
@@ -204,7 +204,7 @@ impl SignalPoints {
         steps.fold(0.0, f64::max) / self.interval_s
     }
 
-    /// At another interval, straight between its samples; the last sample is kept.
+    /// At a different interval, linear between its samples; the last sample is kept.
     pub fn every(&self, interval_s: f64) -> Vec<f64> {
         let steps = (self.seconds() / interval_s).round() as usize;
         let last = self.command_m.len() - 1;
@@ -219,12 +219,12 @@ impl SignalPoints {
     }
 }
 
-/// Size of a line or of a sweep at a frequency, of that at the low ones.
+/// Size of a line or of a sweep at a frequency, relative to that at low frequencies.
 fn level(hz: f64) -> f64 {
     (LEVEL_HZ / hz).min(1.0)
 }
 
-/// Periods of odd lines with phases by chance, samples 0 to `last`. In each group of four odd lines one is left out.
+/// Periods of odd lines with random phases, samples 0 to `last`. In each group of four odd lines one is left out.
 fn multisine(last: usize, [low, high]: [f64; 2]) -> Vec<f64> {
     let samples = (PERIOD_S / INTERVAL_S).round() as usize;
     let odd = (1..samples / 2).step_by(2);

@@ -1,4 +1,4 @@
-//! A table of numbers under a header, from text, MAT or HDF5, with the place of everything that is wrong in it.
+//! A table of numbers under a header, from text, MAT or HDF5, with the location of every error in it.
 
 use super::cell;
 use super::dialect::{Dialect, without_end};
@@ -12,28 +12,28 @@ use std::collections::HashMap;
 pub struct NumberTable {
     /// The file's name, for messages.
     pub file: String,
-    /// Where the header stands, for messages, as `line 3`.
+    /// Location of the header, for messages, such as `line 3`.
     pub header_place: String,
     /// The columns' names.
     pub headers: Vec<Header>,
-    /// Line of each row; counted from 1 where the file has no lines.
+    /// Line of each row; counted from 1 if the file has no lines.
     pub lines: Vec<u64>,
-    /// Values, one vector a column; NaN in a bad cell.
+    /// Values, one vector per column; NaN in a bad cell.
     pub columns: Vec<Vec<f64>>,
-    /// Cells that are no finite number, in the order of the file; none in a table that is whole.
+    /// Cells that are not finite numbers, in file order; empty for a complete table.
     pub bad: Vec<BadCell>,
-    /// What a row is called: `line`, or `value` where the file has no lines.
+    /// What a row is called: `line`, or `value` if the file has no lines.
     pub row_name: &'static str,
 }
 
-/// A cell that is no finite number.
+/// A cell that is not a finite number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadCell {
     /// Its row, from 0.
     pub row: usize,
     /// Its column, from 0.
     pub column: usize,
-    /// What stands there.
+    /// Its contents.
     pub text: Box<str>,
 }
 
@@ -45,19 +45,19 @@ struct Line<'a> {
 }
 
 impl NumberTable {
-    /// Reads `text`, which came from `file`, in whatever dialect it is written.
+    /// Reads `text`, which came from `file`, in any dialect.
     ///
     /// # Errors
-    /// No header, a name that stands twice, a row of another length than the header, or a cell that is no finite number.
+    /// No header, a duplicate name, a row of a different length from the header, or a cell that is not a finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
         Self::parse_with_bad_cells(file, text, false)?.whole()
     }
 
-    /// The same, with its bad cells: whoever uses a column sees to it that none of them is used. `by_number`: where the file
-    /// has no header its columns are called 1, 2, ...
+    /// The same, with its bad cells: a caller must make sure not to use any of them. `by_number`: the columns of a file
+    /// without a header are called 1, 2, ...
     ///
     /// # Errors
-    /// As [`NumberTable::parse`], but for the cells, and for the header where `by_number`.
+    /// As for [`NumberTable::parse`], except for the cells, and for the header with `by_number`.
     pub fn parse_with_bad_cells(file: &str, text: &str, by_number: bool) -> Result<Self, Failure> {
         let of_labview =
             labview::as_table(text).map_err(|why| Failure::input(format!("{file}, {why}")))?;
@@ -107,7 +107,7 @@ impl NumberTable {
                 ));
             }
         }
-        // An export in segments writes its header, and the units beneath, in front of each.
+        // A segmented export repeats its header, with the units beneath, before each segment.
         let top = [Some(head.header), head.units].map(|at| at.map(|at| lines[at].text.trim_end()));
         let mut rows = lines[head.first_row..].to_vec();
         rows.retain(|line| !top.contains(&Some(line.text.trim_end())));
@@ -161,7 +161,7 @@ impl NumberTable {
         })
     }
 
-    /// Columns that have never been text, by their names; `place` is where these stand.
+    /// From columns that have never been text, with their names; `place` is the location of those.
     ///
     /// # Errors
     /// Columns of different lengths, or a value that is not finite.
@@ -200,10 +200,10 @@ impl NumberTable {
         })
     }
 
-    /// The table, where every cell is a number.
+    /// The table, if every cell is a number.
     ///
     /// # Errors
-    /// The first that is none.
+    /// The first one that is not.
     pub fn whole(self) -> Result<Self, Failure> {
         match self.bad.first() {
             Some(bad) => Err(self.refuse_cell(bad)),
@@ -211,7 +211,7 @@ impl NumberTable {
         }
     }
 
-    /// That a cell is no number.
+    /// The refusal of a cell that is not a number.
     pub fn refuse_cell(&self, bad: &BadCell) -> Failure {
         let name = self.headers[bad.column].text.to_lowercase();
         self.refuse_row(
@@ -232,7 +232,7 @@ impl NumberTable {
     }
 }
 
-/// Where the table begins.
+/// The beginning of the table.
 struct Head {
     header: usize,
     units: Option<usize>,
@@ -240,8 +240,8 @@ struct Head {
 }
 
 impl Head {
-    /// Before the table an instrument may write lines about itself. The header is the last line before the first row of
-    /// numbers that has as many cells as the row and no number among them; a row of units may stand between the two.
+    /// An instrument may write lines about itself before the table. The header is the last line before the first row of
+    /// numbers that has as many cells as the row and no number; a row of units may follow it.
     fn of(lines: &[Line<'_>], dialect: &Dialect) -> Self {
         let cells = |at: usize| dialect.cells(lines[at].text);
         let is_row = |at: &usize| dialect.is_row(lines[*at].text);
@@ -258,7 +258,7 @@ impl Head {
         let width = without_end(&cells(row)).len();
         let names = |at: &usize| {
             let cells = cells(*at);
-            // A last cell that is empty may be one, as below a column without a unit, or the end of every line.
+            // An empty last cell may be a cell, as below a column without a unit, or the end of every line.
             let as_wide = [cells.len(), without_end(&cells).len()].contains(&width);
             as_wide && cells.iter().all(|c| dialect.any_number(c).is_none())
         };
@@ -282,17 +282,17 @@ fn is_comment(line: &str) -> bool {
     line.is_empty() || line.starts_with(['#', '%'])
 }
 
-/// A finite number, or nothing.
+/// A finite number, or none.
 pub fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
 }
 
-/// That a line has other columns than the header, and why, where that can be told.
+/// The refusal of a line whose column count differs from the header's, and why, if known.
 fn miscounted(line: &str, cells: usize, headers: usize, dialect: &Dialect) -> String {
     let why = if cells > headers && line.split([';', '\t', ' ']).any(has_thousands) {
         ": a separator of thousands, as in 1.234,56, is not read: accepted are numbers without one"
     } else if dialect.separator == Some(',') && cells == 2 * headers {
-        // 0,5 beside 1,5: nothing tells the two commas apart.
+        // 0,5 next to 1,5: nothing tells the two commas apart.
         ": decimals with a comma are accepted with a semicolon or a tab between the columns"
     } else {
         ""
@@ -300,7 +300,7 @@ fn miscounted(line: &str, cells: usize, headers: usize, dialect: &Dialect) -> St
     format!("has {cells} columns where the header has {headers}{why}")
 }
 
-/// True of `1.234,56` and `1,234.56`.
+/// True for `1.234,56` and `1,234.56`.
 fn has_thousands(cell: &str) -> bool {
     let digits = |part: &str| !part.is_empty() && part.chars().all(|c| c.is_ascii_digit());
     [('.', ','), (',', '.')].iter().any(|(thousand, decimal)| {
@@ -332,7 +332,7 @@ mod tests {
         let table = NumberTable::parse("f.csv", text).unwrap();
         assert_eq!(table.columns, [[0.0, 1.0, 2.0], [1.0, 2.0, 3.0]]);
         assert_eq!(table.lines, [3, 4, 7]);
-        // Another header, or a table of statistics at the end, is something else.
+        // A different header, or a table of statistics at the end, is something else.
         for (more, said) in [
             ("time_s,b\n2,3\n", "line 5: time_s is `time_s`"),
             ("Max,2\n", "line 5: time_s is `Max`"),

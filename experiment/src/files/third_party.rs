@@ -1,14 +1,14 @@
-//! Where a third-party file is published, by its name: what a message about a missing one says.
+//! Where a third-party file is published, by its name: for messages about missing files.
 
 use crate::failure::Failure;
 use serde_json::Value;
 use std::path::Path;
 
-/// What `scripts/fetch-data` works from.
+/// The data used by `scripts/fetch-data`.
 const SOURCES: &str = include_str!("../../../scripts/data-sources.json");
 
-/// The refusal of a third-party file that is not there: whose it is, where it is published, and what brings it. `None`
-/// where no third-party file has this name.
+/// The refusal of a missing third-party file: whose it is, where it is published, and how to get it. `None` if no
+/// third-party file has this name.
 pub fn missing(path: &Path) -> Option<Failure> {
     let name = path.file_name()?;
     let known: Value = serde_json::from_str(SOURCES).ok()?;

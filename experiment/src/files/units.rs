@@ -1,9 +1,9 @@
-//! Units in values: `delay_ms = "12 ms"`, `stiffness_n_per_m = "158 kN/m"`. A key's name says its unit; a value that says one, too,
-//! is converted, and refused where it is of another quantity.
+//! Units in values: `delay_ms = "12 ms"`, `stiffness_n_per_m = "158 kN/m"`. A key's name states its unit; a value with
+//! a unit is converted, and refused if that belongs to another quantity.
 
 use toml::{Table, Value};
 
-/// Endings of keys and the units that they name, the longest first.
+/// Endings of keys and the units that they stand for, the longest first.
 const ENDINGS: [(&str, &str); 24] = [
     ("_n_s_per_mm", "N s/mm"),
     ("_n_s_per_m", "N s/m"),
@@ -31,7 +31,7 @@ const ENDINGS: [(&str, &str); 24] = [
     ("_c", "°C"),
 ];
 
-/// Symbols, what one of each is in m, kg and s, and the powers of these in it.
+/// Symbols, their values in m, kg and s, and their powers of these.
 const SYMBOLS: [(&str, f64, [i8; 3]); 15] = [
     ("m", 1.0, [1, 0, 0]),
     ("s", 1.0, [0, 0, 1]),
@@ -63,10 +63,10 @@ const PREFIXES: [(&str, f64); 8] = [
 ];
 const PREFIXED: usize = 6;
 
-/// Of one g of an acceleration, m/s².
+/// One g of acceleration, m/s².
 const GRAVITY: f64 = 9.806_65;
 
-/// Names of quantities by the powers of m, kg and s.
+/// Names of quantities, by their powers of m, kg and s.
 const QUANTITIES: [(&str, [i8; 3]); 10] = [
     ("a length", [1, 0, 0]),
     ("a mass", [0, 1, 0]),
@@ -80,21 +80,21 @@ const QUANTITIES: [(&str, [i8; 3]); 10] = [
     ("a frequency", [0, 0, -1]),
 ];
 
-/// The unit that a key's name ends with.
+/// The unit at the end of a key's name.
 pub fn of_key(name: &str) -> Option<&'static str> {
     let ending = ENDINGS.iter().find(|(ending, _)| name.ends_with(ending));
     ending.map(|(_, unit)| *unit)
 }
 
-/// True if a value of this unit may say a unit of its own.
+/// True if a value of this unit may state a unit of its own.
 pub fn may_be_said(unit: &str) -> bool {
     Unit::read(unit, false).is_some()
 }
 
-/// Converts each value of `table` that says its unit to the unit of its key.
+/// Converts each value of `table` that states its unit to the unit of its key.
 ///
 /// # Errors
-/// A unit that is unknown, or of another quantity than the key's: path, value and what would be accepted.
+/// An unknown unit, or one of a different quantity from the key's: path, value and what would be accepted.
 pub fn convert(table: &mut Table) -> Result<(), String> {
     for (key, value) in table.iter_mut() {
         within(value, key, wanted(key))?;
@@ -102,7 +102,7 @@ pub fn convert(table: &mut Table) -> Result<(), String> {
     Ok(())
 }
 
-/// What a key's value is measured in; shares may be said in per cent.
+/// The unit of a key's value; shares may be given in per cent.
 fn wanted(key: &str) -> Option<&'static str> {
     if key.ends_with("_ratio") {
         return Some("");
@@ -140,10 +140,10 @@ fn within(value: &mut Value, path: &str, unit: Option<&'static str>) -> Result<(
     Ok(())
 }
 
-/// The value that is said for the key at the end of a dotted path, `12 ms` or `12`, in the key's own unit.
+/// The value given for the key at the end of a dotted path, `12 ms` or `12`, in the key's own unit.
 ///
 /// # Errors
-/// No number; a unit that is unknown or of another quantity.
+/// Not a number; an unknown unit or one of another quantity.
 pub fn value_at(path: &str, text: &str) -> Result<f64, String> {
     let mut names = path.rsplit('.');
     let key = names.find(|name| name.parse::<usize>().is_err());
@@ -156,10 +156,10 @@ pub fn value_at(path: &str, text: &str) -> Result<f64, String> {
     .ok_or_else(|| format!("`{}` is not a number", text.trim()))
 }
 
-/// The number of a value such as `12 ms` in `unit`; `None` of a text that does not begin with a number.
+/// The number of a value such as `12 ms` in `unit`; `None` for a text that does not begin with a number.
 ///
 /// # Errors
-/// A unit that is unknown, or of another quantity.
+/// An unknown unit, or one of another quantity.
 pub fn converted(text: &str, unit: &str) -> Result<Option<f64>, String> {
     let Some((number, said)) = split(text) else {
         return Ok(None);
@@ -189,10 +189,10 @@ pub fn converted(text: &str, unit: &str) -> Result<Option<f64>, String> {
     Ok(Some(number * (value.size / key.size)))
 }
 
-/// A number and what stands behind it.
+/// A number and the text after it.
 fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
-    // The longest beginning that is a number: `5e3 N` and not `5`.
+    // The longest prefix that is a number: `5e3 N`, not `5`.
     let ends = text.char_indices().map(|(at, c)| at + c.len_utf8());
     let mut numbers = ends.filter_map(|end| Some((text[..end].trim_end().parse().ok()?, end)));
     let (number, end): (f64, usize) = numbers.next_back()?;
@@ -203,9 +203,9 @@ fn split(text: &str) -> Option<(f64, &str)> {
 /// A unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Unit {
-    /// Of one in m, kg and s.
+    /// Its value in m, kg and s.
     size: f64,
-    /// Of m, kg and s in it.
+    /// Its powers of m, kg and s.
     powers: [i8; 3],
 }
 
@@ -215,8 +215,8 @@ impl Unit {
         powers: [0; 3],
     };
 
-    /// Reads a product of symbols, each with a power, a `/` before those that divide: `N s/mm`, `kN*s/m`, `m/s²`, `N/(m/s)`.
-    /// `gravity`: `g` is one of those of an acceleration and no gram.
+    /// Reads a product of symbols, each with a power, with a `/` before divisors: `N s/mm`, `kN*s/m`, `m/s²`,
+    /// `N/(m/s)`. `gravity`: `g` is the acceleration of gravity and not a gram.
     fn read(text: &str, gravity: bool) -> Option<Self> {
         let mut unit = Self::ONE;
         let mut rest = text.trim();
@@ -361,7 +361,7 @@ mod tests {
         for (ending, unit) in ENDINGS {
             assert_eq!(
                 may_be_said(unit),
-                // An angle has no power of m, kg and s: in rad/s a value in Hz would pass.
+                // An angle has no power of m, kg and s: a value in Hz would be accepted for rad/s.
                 !["steps", "bit", "°C", "rad", "rad/s"].contains(&unit),
                 "{ending}"
             );

@@ -34,10 +34,10 @@ impl Default for WatchSettings {
 }
 
 impl WatchSettings {
-    /// That it asks for nothing that is not done.
+    /// Checks that it requests nothing that is not available.
     ///
     /// # Errors
-    /// An unknown correction; a limit that is none; something to do for a watch that is off.
+    /// An unknown correction; an inadmissible limit; a request to a watch that is off.
     pub fn check(&self) -> Result<(), String> {
         self.corrections()?;
         if let Some(eps) = self.trip_eps.filter(|eps| !(1e-4..=10.0).contains(eps)) {
@@ -56,7 +56,7 @@ impl WatchSettings {
         Ok(())
     }
 
-    /// That it asks the loop for nothing, which `place` cannot do.
+    /// Checks that it requests nothing of the loop, which `place` does not support.
     ///
     /// # Errors
     /// A correction or a limit.
@@ -75,7 +75,7 @@ impl WatchSettings {
         }
     }
 
-    /// What may be corrected for.
+    /// The permitted corrections.
     ///
     /// # Errors
     /// A name that is none of them.

@@ -1,4 +1,4 @@
-//! A channel of a recorded file that takes no part in a diagnosis: `FILE:COLUMN`.
+//! A channel of a recorded file that is not used in a diagnosis: `FILE:COLUMN`.
 
 use super::columns::{ColumnAssignment, Columns};
 use super::measured::{FilePart, RecordFiles};
@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use diagnosis::Recording;
 use std::path::PathBuf;
 
-/// A file, and the column of it that is the witness.
+/// A file, and its column that is the witness.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WitnessColumn {
     /// The file: one of those that are judged, or another with the same time.
@@ -37,21 +37,21 @@ impl std::fmt::Display for WitnessColumn {
     }
 }
 
-/// What it read, in the column's own unit.
+/// Its readings, in the column's own unit.
 #[derive(Debug)]
 pub struct WitnessRecord {
     pieces: Vec<Recording>,
 }
 
 impl WitnessColumn {
-    /// Reads it; `columns` is what is said of the records' own columns.
+    /// Reads it; `columns` are the statements about the records' own columns.
     ///
     /// # Errors
-    /// A file that cannot be used, a column that it does not have.
+    /// A file that cannot be used, or a column that it does not have.
     pub fn read(&self, columns: &Columns) -> Result<WitnessRecord, Failure> {
         let mut columns = columns.clone();
         columns.assigned.retain(|a| a.quantity != "force");
-        // As a force without a unit, which is read as it stands.
+        // As a force without a unit, which is read as it is.
         columns.assigned.push(ColumnAssignment {
             quantity: "force".into(),
             column: self.column.clone(),
@@ -67,7 +67,7 @@ impl WitnessColumn {
 }
 
 impl WitnessRecord {
-    /// What it read at the times of a record, straight between its samples; `None` where it does not cover them.
+    /// Its readings at the times of a record, linear between its samples; `None` if it does not cover them.
     pub fn at(&self, time_s: &[f64]) -> Option<Vec<f64>> {
         let (first, last) = (*time_s.first()?, *time_s.last()?);
         let covers = |p: &&Recording| {

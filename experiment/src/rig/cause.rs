@@ -1,20 +1,20 @@
-//! One cause for what shows in two channels.
+//! A single cause for errors that show in two channels.
 //!
-//! A diagnosis looks at each channel by itself. A transducer of the displacement that reads wrong shows in both: behind
-//! the command, and before the force, where the true displacement acts. An offset `r` of the reading is an offset `r` of
-//! the actuator and `-K r` of the force; a gain `g` is `g` and `1/g`; a reading that is late by `t` is a delay of `t` and a
-//! force that is ahead by `t`, which for a spring is a viscous damping of `K t`. Where both channels say so, one
-//! correction of the reading takes out both, and nothing is taken out twice.
+//! A diagnosis looks at each channel by itself. A wrong displacement transducer shows in both: after the command, and
+//! before the force, where the true displacement acts. An offset `r` of the reading is an offset `r` of the actuator
+//! and `-K r` of the force; a gain `g` is `g` and `1/g`; a reading that is late by `t` is a delay of `t` and a force
+//! that is ahead by `t`, which for a spring is a viscous damping of `K t`. If both channels agree, one correction of
+//! the reading removes both, and nothing is removed twice.
 
 use super::{Departures, Quantity, ROWS};
 use diagnosis::{Declared, Model, SavedElement, SpecimenModel};
 use plant::{Channel, Effect, EffectSpec};
 
-/// How near, of an added delay, a damping has to be to what a late reading would show.
+/// Tolerance for a damping to match that of a late reading, relative to the added delay.
 const SAME_DELAY: f64 = 0.2;
 
 impl Departures {
-    /// What `model` knows, of whose actuator `expected_ms` of delay and lag were known before.
+    /// What `model` knows; `expected_ms` is the previously known delay and lag of its actuator.
     pub fn of_model(model: &Model, expected_ms: f64) -> Self {
         let actuator = model.actuator.clone().unwrap_or_default();
         let specimen = model.specimen.clone().unwrap_or_default();
@@ -40,19 +40,19 @@ impl Departures {
         own
     }
 
-    /// Delay and lag from the command to the displacement, with the lateness of what follows them, ms.
+    /// Delay and lag from the command to the displacement, including the delay of later parts, ms.
     pub fn late_ms(&self) -> [f64; 2] {
         let further: f64 = self.others.iter().map(late_ms).sum();
         [self[Quantity::Delay], self[Quantity::Lag] + further]
     }
 
-    /// The same as the loop has to expect it: a displacement that waits for its force is later by that.
+    /// The same as the loop must expect it: a displacement that waits for its force is late by that, too.
     pub fn to_expect_ms(&self) -> [f64; 2] {
         let [delay_ms, lag_ms] = self.late_ms();
         [delay_ms + self[Quantity::ForceLate].max(0.0), lag_ms]
     }
 
-    /// All friction that the load cell feels, as that of the bearings.
+    /// Adds up all friction felt by the load cell, as that of the bearings.
     fn bearing_friction(&mut self) {
         for [force_n, mm] in self.others.iter().filter_map(friction) {
             self.values[Quantity::BearingFriction as usize] += force_n;
@@ -61,11 +61,11 @@ impl Departures {
         }
     }
 
-    /// Effects of which the loop cannot rid itself.
+    /// Effects that the loop cannot correct.
     pub fn not_correctable(&self) -> Vec<(Channel, Effect)> {
         let damping =
             (self[Quantity::Damping] != 0.0).then_some((Channel::Specimen, Effect::ViscousDamping));
-        // What rings or sticks on top of what is taken out stays.
+        // What rings or sticks in addition to what is corrected remains.
         let stays = |e: &&EffectSpec| match e.name {
             Effect::SecondLag => false,
             Effect::CoulombFriction => friction(e).is_none(),
@@ -81,19 +81,19 @@ impl Departures {
         left
     }
 
-    /// A damping that is no damping: the reading of the displacement is late.
+    /// Detects an apparent damping that is really a late reading of the displacement.
     fn late_reading(&mut self, specimen: &SpecimenModel, added_ms: f64) {
         let stiffness = specimen.stiffness_n_per_mm.map_or(0.0, |k| k.value);
         let ahead_ms = self[Quantity::Damping] / stiffness * 1e3;
         if added_ms > 0.0 && (ahead_ms - added_ms).abs() < SAME_DELAY * added_ms {
             self[Quantity::Damping] = 0.0;
-            // Half of the square of the lateness shows as a mass.
+            // Half of the delay's square shows as a mass.
             self[Quantity::Mass] = 0.0;
             self[Quantity::ForceLate] -= added_ms;
         }
     }
 
-    /// Errors of the actuator that come back inverted in the force are those of the reading between them.
+    /// Actuator errors whose inverse shows in the force are errors of the displacement reading between them.
     fn wrong_reading(&mut self, stiffness_n_per_mm: f64) {
         use Quantity::{
             CommandGain, CommandOffset, DisplacementGain, DisplacementOffset, ForceGain,
@@ -115,7 +115,7 @@ impl Departures {
     }
 }
 
-/// An element of free strength as an effect: what slides is friction, of anything else the name.
+/// An element of free strength as an effect: sliding elements as friction, of any others only the name.
 fn as_parallel_effect(element: &SavedElement) -> EffectSpec {
     let is_friction = matches!(
         element.name,
@@ -127,7 +127,7 @@ fn as_parallel_effect(element: &SavedElement) -> EffectSpec {
     effect.in_channel(Channel::Specimen)
 }
 
-/// Friction on the load cell, N, and the displacement in which it builds up, mm.
+/// Friction on the load cell, N, and its presliding displacement, mm.
 fn friction(effect: &EffectSpec) -> Option<[f64; 2]> {
     let slides = matches!(
         effect.name,
@@ -137,7 +137,7 @@ fn friction(effect: &EffectSpec) -> Option<[f64; 2]> {
     Some([own.parameter("force_n")?, own.parameter("presliding_mm")?])
 }
 
-/// Lateness far below its own frequency, ms, of an effect that has one.
+/// Delay of an effect far below its own frequency, ms, if it has one.
 fn late_ms(effect: &EffectSpec) -> f64 {
     let value = |name| effect.parameter(name).unwrap_or_default();
     match effect.name {
@@ -150,12 +150,12 @@ fn late_ms(effect: &EffectSpec) -> f64 {
     }
 }
 
-/// A value that is not the ideal rig's. What is nearer to that than a tenth of its tolerance is the fit's own noise.
+/// A value that is not the ideal rig's. A deviation below a tenth of its tolerance is fitting noise.
 fn unless_ideal(known: Declared, ideal: f64) -> Option<f64> {
     ((known.value - ideal).abs() > 0.1 * known.tolerance).then_some(known.value)
 }
 
-/// True where `value` is nearer to `one` than to `other`.
+/// True if `value` is nearer to `one` than to `other`.
 fn nearer(value: f64, one: f64, other: f64) -> bool {
     (value - one).abs() < (value - other).abs()
 }

@@ -1,7 +1,7 @@
 //! What a laboratory declares of its rig, and the simulated rig as it would be if that were true.
 //!
-//! `[plant]` of a test file is the truth of the simulation. `[declared]`, in the words of a model file, is what the
-//! laboratory believes; what the loop is configured with comes from there. Without it the loop gets the true values, with a warning.
+//! `[plant]` of a test file is the truth of the simulation. `[declared]`, in the terms of a model file, is the
+//! laboratory's belief; the loop is configured from it. Without it the loop gets the true values, with a warning.
 
 use super::{Departures, Quantity, ROWS, improvement};
 use diagnosis::{ActuatorModel, Declared, ForceUnit, Model, SpecimenModel};
@@ -26,7 +26,7 @@ pub enum Expected {
     Default,
 }
 
-/// Tolerances of what is taken from a simulated rig: gain, delay and lag in ms, offset in mm.
+/// Tolerances of values from a simulated rig: gain, delay and lag in ms, offset in mm.
 const ACTUATOR: [f64; 3] = [0.01, 0.5, 0.05];
 /// Tolerance of a stiffness, relative, and of a mass on the load cell, relative to the structure's.
 const SPECIMEN: [f64; 2] = [0.01, 1e-4];
@@ -35,8 +35,8 @@ fn known(value: f64, tolerance: f64) -> Option<Declared> {
     Some(Declared { value, tolerance })
 }
 
-/// The simulated rig as a model; its added effects and the errors of its sensors are what nobody declared. `None` where it
-/// is more than a model can say: several actuators, or an actuator that is no delay and lag.
+/// The simulated rig as a model, without its added effects and sensor errors, which nobody declared. `None` if a model
+/// cannot express it: several actuators, or an actuator that is more than a delay and a lag.
 pub fn from_plant(config: &Config, rig: &RigSpec) -> Option<Model> {
     if config.physical_storeys() != 1 {
         return None;
@@ -71,14 +71,14 @@ pub fn from_plant(config: &Config, rig: &RigSpec) -> Option<Model> {
     })
 }
 
-/// Delay and lag, ms, that a model of an actuator makes the loop expect.
+/// Delay and lag, ms, that the loop expects because of a model of an actuator.
 fn times_ms(model: &Model) -> Option<[f64; 2]> {
     model.actuator.as_ref()?;
-    // What is declared is expected, all of it.
+    // Everything declared is expected.
     Some(Departures::of_model(model, f64::INFINITY).to_expect_ms())
 }
 
-/// Where the loop is configured with the delay and the lag of an actuator, ms: table, key and value.
+/// The loop's settings for the delay and the lag of an actuator, ms: table, key and value.
 pub fn configured_times([delay_ms, lag_ms]: [f64; 2]) -> [(&'static str, &'static str, f64); 3] {
     let filter_lag_ms = lag_ms.max(improvement::LEAST_LAG_MS);
     [
@@ -88,9 +88,9 @@ pub fn configured_times([delay_ms, lag_ms]: [f64; 2]) -> [(&'static str, &'stati
     ]
 }
 
-/// Fills in the delays of the compensation and of the filter, where the test file leaves them out.
+/// Fills in the delays of the compensation and of the filter if the test file omits them.
 pub fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
-    // True where the file had left it out.
+    // True if the file omitted it.
     let mut fill = |part: &str, key: &str, ms: Value| {
         let part = table
             .entry(part)
@@ -123,9 +123,9 @@ pub fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) ->
     }
 }
 
-/// Delay and lag of the simulated actuators together, ms; `None` where none is late.
+/// Total delay and lag of the simulated actuators, ms; `None` if none of them has any.
 fn truth(actuator: &ActuatorSpec) -> Option<Value> {
-    // What is told to the loop is above 0 for each of them.
+    // The value given to the loop must be above 0 for each of them.
     const LEAST_MS: f64 = 0.01;
     let lists = [&actuator.delay_ms, &actuator.lag_ms].map(PerAxis::count);
     let each: Vec<f64> = match lists.into_iter().flatten().max() {
@@ -145,7 +145,7 @@ fn truth(actuator: &ActuatorSpec) -> Option<Value> {
     })
 }
 
-/// Takes out of `config` what is declared to be wrong with the rig.
+/// Configures `config` to correct the errors of the rig that are declared.
 ///
 /// # Errors
 /// The test file has a table `[rig]` as well; a model of several coordinates, or of a force without a unit.
@@ -179,11 +179,11 @@ pub fn as_declared(config: &Config, plant: &RigSpec, model: Option<&Model>) -> R
         None => Departures::none(),
     };
     let mut rig = plant.clone();
-    // What is declared and cannot be simulated is not in the truth either.
+    // What is declared but cannot be simulated is not in the truth either.
     let simulated = |e: &&EffectSpec| e.check("").is_ok();
     rig.effects = known.others.iter().filter(simulated).cloned().collect();
     for (quantity, row) in ROWS {
-        // Actuator and specimen are as they are where nothing is said of them.
+        // Actuator and specimen stay as they are if nothing is said about them.
         let stays = match quantity {
             Quantity::CommandGain | Quantity::Delay | Quantity::Lag => {
                 model.is_none_or(|m| m.actuator.is_none())
@@ -202,7 +202,7 @@ pub fn as_declared(config: &Config, plant: &RigSpec, model: Option<&Model>) -> R
     rig
 }
 
-/// The names of what the simulated rig of a test has and nobody declared.
+/// The names of what the simulated rig of a test has but nobody declared.
 pub fn undeclared(config: &Config, rig: &RigSpec, model: Option<&Model>) -> Vec<&'static str> {
     let without = &as_declared(config, rig, model);
     let axes = 0..config.physical_storeys();
@@ -249,7 +249,7 @@ mod tests {
         undeclared(&test.config, &test.plant, test.declared.as_ref())
     }
 
-    /// What the loop takes out of the rig as it is declared, and that rig's own errors.
+    /// What the loop corrects for the declared rig, and the errors of that rig.
     fn loop_and_rig(test: &TestFile) -> [Departures; 2] {
         let rig = Departures::of_rig(
             &as_declared(&test.config, &test.plant, test.declared.as_ref()),

@@ -1,4 +1,4 @@
-//! What a diagnosis found out about a rig, in the next test.
+//! Applies what a diagnosis found about a rig to the next test.
 
 use super::{Departures, Quantity, ROWS};
 use diagnosis::Model;
@@ -7,13 +7,13 @@ use outerloop_core::Prediction;
 use outerloop_core::config::PerActuator;
 use plant::{Channel, Effect};
 
-/// Lateness, ms, beyond what was expected, from which on a prediction is worth while.
+/// Unexpected delay, ms, from which prediction is worthwhile.
 const WORTH_PREDICTING_MS: f64 = 0.25;
 
-/// The filter's model has a lag always; the shortest that it takes is as good as none.
+/// The filter's model always has a lag; the shortest accepted one is practically none.
 pub(super) const LEAST_LAG_MS: f64 = 0.05;
 
-/// Puts what `model` knows into `config`, and says in sentences what was done with each part of it.
+/// Applies what `model` knows to `config`, and reports in sentences what was done with each part of it.
 pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
     let known = Departures::of_model(model, config.compensation.delay_ms.at(0));
     let mut said = space(&known, config);
@@ -39,8 +39,8 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
     said
 }
 
-/// What is said of a loop that waits for its force: nothing that the test file states of its timing is changed for it, where a
-/// model that is given to a test (`run --model`) expects it and sends the command ahead.
+/// The note on a loop that waits for its force: none of the test file's own timing is changed for that, whereas a model
+/// given to a test (`run --model`) expects it and sends the command ahead.
 pub fn remark_on_lateness(config: &Config) -> Option<String> {
     let late_ms = config
         .rig
@@ -59,13 +59,13 @@ pub fn remark_on_lateness(config: &Config) -> Option<String> {
     ))
 }
 
-/// The same without the timing, which a test file may state otherwise.
+/// The same without the timing, which a test file may state differently.
 pub fn correct(model: &Model, config: &mut Config) {
     let known = Departures::of_model(model, config.compensation.delay_ms.at(0));
     space(&known, config);
 }
 
-/// What to do about an effect that stays.
+/// What to do about an effect that remains.
 fn why_not(channel: Channel, effect: Effect) -> &'static str {
     use plant::Family::{
         Asymmetry, Damping, Gap, Hysteresis, Interference, Limit, Slow, Stiffness,
@@ -93,7 +93,7 @@ fn only(x: f64) -> PerActuator {
     [x].into_iter().collect()
 }
 
-/// Everything but the actuator's own time, in sentences.
+/// Everything except the actuator's timing, in sentences.
 fn space(known: &Departures, config: &mut Config) -> Vec<String> {
     let mut said = Vec::new();
     for (quantity, row) in ROWS {
@@ -118,8 +118,8 @@ fn space(known: &Departures, config: &mut Config) -> Vec<String> {
     said
 }
 
-/// Timing goes into the clamp and the predictors (as one delay) and into the filter's model of the actuator. What is later
-/// than was expected is not only known but predicted: a damping that makes up for it makes up for its energy only.
+/// Timing goes into the clamp and the predictors (as one delay) and into the filter's model of the actuator. Additional
+/// delay is not only known but predicted: a damping that compensates for it only compensates for its energy.
 fn timing(known: &Departures, config: &mut Config, said: &mut Vec<String>) {
     let [delay_ms, lag_ms] = known.to_expect_ms();
     let late_ms = delay_ms + lag_ms;
@@ -191,7 +191,7 @@ mod tests {
         model.check().unwrap();
         let mut config = test.config.clone();
         let said = apply(&model, &mut config).join("\n");
-        // A displacement that waits 1.5 ms for its force is as late again.
+        // A displacement that waits 1.5 ms for its force is late by that much more.
         assert!((config.compensation.delay_ms.at(0) - 11.5).abs() < 1e-9);
         assert_eq!(config.compensation.kind.predictor, Prediction::Afp);
         assert_eq!(config.structure.physical_mass_kg.as_slice(), [60.0]);

@@ -1,9 +1,9 @@
-//! By what a rig departs from an ideal one: one row a quantity, whoever speaks of it.
+//! The departures of a rig from an ideal one: one row per quantity, used by everything that handles it.
 //!
 //! | look in | for |
 //! |---|---|
-//! | this file | the rows, and the simulated rig by them |
-//! | [`cause`] | what a model says of them, each thing once |
+//! | this file | the rows, and how the simulated rig has them |
+//! | [`cause`] | what a model says about them, each thing once |
 //! | [`declared`] | what a laboratory declares, and the simulated rig as it would be if that were true |
 //! | [`improvement`] | what the loop does about them |
 
@@ -18,21 +18,21 @@ use plant::Channel::{Actuator, Specimen};
 use plant::{Channel, Effect, EffectSpec, RigSpec};
 use std::ops::{Index, IndexMut};
 
-/// What there is to know of a quantity.
+/// The properties of a quantity.
 pub struct QuantityRow {
     /// Its key in the simulated rig's table.
     name: &'static str,
     /// Its value on an ideal rig: 1 for a gain, else 0.
     ideal: f64,
-    /// The effect that is an error of it, and that effect's parameter.
+    /// The effect that is its error, and that effect's parameter.
     error: Option<(Channel, Effect, &'static str)>,
-    /// Its value in the table of a simulated rig, for an axis.
+    /// Its value in the table of a simulated rig, for one axis.
     simulated: fn(&RigSpec, usize) -> f64,
-    /// Puts it into a simulated rig.
+    /// Sets it in a simulated rig.
     simulate: fn(&mut RigSpec, f64),
-    /// What a model says of it.
+    /// A model's statement about it.
     declared: fn(&ActuatorModel, &SpecimenModel) -> Option<Declared>,
-    /// What the loop does about it: its unit per unit of the quantity, its place in the loop's configuration, and a sentence.
+    /// The loop's correction: its unit per unit of the quantity, its place in the loop's configuration, and a sentence.
     correction: Option<Correction>,
 }
 
@@ -53,7 +53,7 @@ macro_rules! rows {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Quantity { $($(#[$doc])* $quantity,)* }
 
-        /// One of each, in their order.
+        /// One row for each, in order.
         const ROWS: &[(Quantity, QuantityRow)] = &[$((Quantity::$quantity, QuantityRow {
             name: $name,
             ideal: $ideal,
@@ -66,14 +66,14 @@ macro_rules! rows {
     };
 }
 
-/// The first that is given.
+/// The first one given.
 macro_rules! or {
     ($first:expr $(, $_other:expr)?) => {
         $first
     };
 }
 
-/// Where a simulated rig has a quantity: in a key, in a key with one for each axis, or elsewhere by two functions.
+/// Where a simulated rig has a quantity: in a key, in a key with one value per axis, or elsewhere, by two functions.
 macro_rules! get {
     ($part:ident.$key:ident) => {
         |rig, _| rig.$part.$key
@@ -215,7 +215,7 @@ rows! {
     }
 }
 
-/// However near it is to that of an ideal rig.
+/// Exact, however close it is to that of an ideal rig.
 fn exact(declared: Declared) -> Declared {
     Declared {
         tolerance: 0.0,
@@ -235,11 +235,11 @@ fn held_back(late_ms: f64) -> String {
     )
 }
 
-/// What is wrong with a rig, each thing once, where it is.
+/// The errors of a rig, each once, at its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Departures {
     values: [f64; ROWS.len()],
-    /// Effects that are no error of a quantity, each in its channel.
+    /// Effects that are not an error of a quantity, each in its channel.
     pub others: Vec<EffectSpec>,
 }
 
@@ -257,7 +257,7 @@ impl IndexMut<Quantity> for Departures {
 }
 
 impl Departures {
-    /// None: an ideal rig.
+    /// No departures: an ideal rig.
     fn none() -> Self {
         Self {
             values: std::array::from_fn(|i| ROWS[i].1.ideal),
@@ -265,7 +265,7 @@ impl Departures {
         }
     }
 
-    /// Those of an axis of a simulated rig.
+    /// Those of one axis of a simulated rig.
     pub fn of_rig(rig: &RigSpec, axis: usize) -> Self {
         let mut own = Self {
             values: std::array::from_fn(|i| (ROWS[i].1.simulated)(rig, axis)),
@@ -279,7 +279,7 @@ impl Departures {
         own
     }
 
-    /// What the loop takes out of an axis.
+    /// What the loop corrects on an axis.
     pub fn taken_out(rig: &RigConfig, axis: usize) -> Self {
         let mut rig = rig.clone();
         let mut own = Self::none();
@@ -306,8 +306,8 @@ impl Departures {
     }
 }
 
-/// Noise of the displacement, m, and of the force, N, one standard deviation: what the file declares to its filter or what
-/// the simulated sensors have, whichever is more.
+/// Noise of the displacement, m, and of the force, N, one standard deviation: that declared to the filter in the file
+/// or that of the simulated sensors, whichever is larger.
 pub fn noise_rms(config: &Config, rig: &RigSpec) -> [f64; 2] {
     let [noise_m, noise_n] = rig.sensors.noise_rms();
     match &config.estimation {
@@ -325,7 +325,7 @@ impl Quantity {
         ROWS[self as usize].1.name
     }
 
-    /// The one that an effect is an error of.
+    /// The quantity of which an effect is an error.
     fn parameter_of_error(channel: Channel, effect: Effect) -> Option<Self> {
         let of = |row: &QuantityRow| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));
         let row = ROWS.iter().find(|(_, row)| of(row));

@@ -1,12 +1,12 @@
-//! Growth and damping of the small motions of a loop, read from a run of it.
+//! Growth and damping of a loop's small motions, read from a run of it.
 //!
 //! | loop | growth |
 //! |---|---|
-//! | force as measured, fixed predictor: linear | that of the fastest growing of its motions, by the [matrix pencil](super::pencil) |
-//! | variable damping, corrected force, a predictor that learns | that of the rms from one half of what is looked at to the other |
+//! | force as measured, fixed predictor: linear | its fastest growing motion's, by the [matrix pencil](super::pencil) |
+//! | variable damping, corrected force, a predictor that learns | that of the rms between the window's halves |
 //!
-//! Of several floors it is the largest over the coordinates of the structure's modes and over the commands of the actuators:
-//! what grows from sample to sample is seen in the commands first.
+//! For several floors it is the largest over the coordinates of the structure's modes and over the actuators' commands:
+//! what grows from sample to sample shows first in the commands.
 
 use super::pencil::{Component, components};
 use super::small_motion::{FreeMotion, Learning};
@@ -20,7 +20,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// A test whose small motions are asked for.
+/// A test whose small motions are to be found.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     /// The loop.
@@ -29,7 +29,7 @@ pub struct Question<'a> {
     pub rig: &'a RigSpec,
     /// Largest displacement of the planned motion, m.
     pub planned_peak_m: f64,
-    /// What an adaptive predictor does.
+    /// What an adaptive predictor does in them.
     pub learning: Learning,
 }
 
@@ -53,7 +53,7 @@ pub struct SmallMotions {
 }
 
 impl SmallMotions {
-    /// What becomes of them, in tables.
+    /// Their outcome, in tables.
     pub const fn word(&self) -> &'static str {
         match (self.stable, self.decides) {
             (true, true) => "decays",
@@ -74,27 +74,27 @@ pub struct LoopMode {
     pub damping_ratio: f64,
 }
 
-/// True of a method whose larger motions do what its small ones do.
+/// True if a method's large motions behave like its small ones.
 pub fn is_linear(method: Method) -> bool {
     method.force == Force::None && !method.predictor.learns()
 }
 
-/// How long a loop is looked at, and how finely.
+/// Duration and resolution of the observation of a loop.
 #[derive(Clone, Copy, Debug)]
 struct Look {
-    /// Periods of the first mode until what began with the blow has gone, and what learns has learnt.
+    /// Periods of the first mode until the blow's transient has decayed, and learning has finished.
     settle: f64,
-    /// Periods that are looked at.
+    /// Periods observed.
     window: f64,
-    /// Its growth is that of its components, and not that of its rms.
+    /// Growth is taken from the components, not from the rms.
     by_pencil: bool,
-    /// Share of the motion that is no exponential.
+    /// Fraction of the motion that may not be exponential.
     resolution: f64,
-    /// Growth that is none, as a share of the first natural frequency.
+    /// Growth that counts as none, as a fraction of the first natural frequency.
     none: f64,
 }
 
-/// A linear loop: the pencil resolves what f32 does not round away.
+/// A linear loop: the pencil's resolution is limited by f32 rounding.
 const LINEAR: Look = Look {
     settle: 1.0,
     window: 4.0,
@@ -102,7 +102,7 @@ const LINEAR: Look = Look {
     resolution: 3e-6,
     none: 1e-5,
 };
-/// Variable damping and corrected forces: they act anew in every half period.
+/// Variable damping and corrected forces act anew in every half period.
 const DAMPED: Look = Look {
     settle: 2.0,
     window: 6.0,
@@ -110,17 +110,17 @@ const DAMPED: Look = Look {
     resolution: 1e-2,
     none: 1e-4,
 };
-/// What learns has to come to an end with it.
+/// Learning has to finish first.
 const LEARNING: Look = Look {
     settle: 12.0,
     resolution: 1e-3,
     ..DAMPED
 };
-/// Samples that are looked at: enough to resolve the highest mode of eight floors over four periods of the first.
+/// Number of samples used: enough to resolve the highest mode of eight floors over four periods of the first.
 const SAMPLES: usize = 160;
-/// Of a linear loop's motions those above this share of the largest count.
+/// Smallest component of a linear loop's motion that counts, as a fraction of the largest.
 const LEAST_SHARE: f64 = 3e-4;
-/// A signal below this share of the largest is the others' remainder.
+/// A signal below this fraction of the largest is a residue of the others.
 const LEAST_SIGNAL: f64 = 1e-2;
 
 impl Question<'_> {
@@ -135,7 +135,7 @@ impl Question<'_> {
         }
     }
 
-    /// What becomes of a blow on the rig with `vary`.
+    /// Response to a blow on the rig with `vary`.
     ///
     /// # Errors
     /// A test or a rig that cannot be run.
@@ -165,7 +165,7 @@ impl Question<'_> {
     }
 
     /// Delay of the measured displacement behind the target in the first mode, s of the laboratory: what the predictor
-    /// leaves of the rig's. `None`: the first mode is not among the motions.
+    /// leaves of the rig's delay. `None` if the first mode is not among the motions.
     ///
     /// # Errors
     /// A test or a rig that cannot be run.
@@ -203,11 +203,11 @@ impl Question<'_> {
     }
 }
 
-/// What is looked at of a motion.
+/// The observed part of a motion.
 struct Seen {
     look: Look,
     floors: usize,
-    /// Samples of the motion, the first that is looked at, and how many they are apart.
+    /// Number of samples of the motion, index of the first one used, and the distance between those used.
     whole: usize,
     from: usize,
     every: usize,
@@ -216,7 +216,7 @@ struct Seen {
     coordinates: Vec<Vec<f64>>,
     /// The command of each actuator.
     commands: Vec<Vec<f64>>,
-    /// Of what each coordinate is made.
+    /// The components of each coordinate.
     modes: Vec<Vec<Component>>,
 }
 
@@ -225,14 +225,14 @@ impl Seen {
         let floors = structure.omega.len();
         let whole = motion.target_m.len() / floors;
         let wanted = (look.window * TAU / structure.omega[0] / motion.step_s) as usize;
-        // Of a motion that was stopped all that there is, if need be.
+        // If the motion was stopped early, everything that there is.
         let window = wanted.min(whole);
         let every = (window / SAMPLES).max(1);
         let mut seen = Self {
             look,
             floors,
             whole,
-            // The last sample is one of them.
+            // Includes the last sample.
             from: (whole - window) + window.saturating_sub(1) % every,
             every,
             interval_s: every as f64 * motion.step_s,
@@ -251,7 +251,7 @@ impl Seen {
         seen
     }
 
-    /// The samples of all floors along `row`.
+    /// The samples of all floors, projected on `row`.
     fn along(&self, of: &[f64], row: &DVector<f64>) -> Vec<f64> {
         let sample = |k: usize| {
             (0..self.floors)
@@ -296,7 +296,7 @@ impl Seen {
         growths.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// What has become of the structure's modes: in the coordinate of each the component that is nearest to it.
+    /// The structure's modes in the loop: in each one's coordinate, the nearest component.
     fn modes(&self, structure: &StructureModes) -> Vec<LoopMode> {
         let omegas = structure.omega.iter().zip(&self.modes);
         omegas
@@ -312,7 +312,7 @@ impl Seen {
     }
 }
 
-/// The component that is nearest to a mode of `omega`, rad/s. Further away than that it is another motion.
+/// The component nearest to a mode of `omega`, rad/s; further away than that it would be another motion.
 fn nearest(all: &[Component], omega: f64) -> Option<Component> {
     let own = Complex::new(0.0, omega);
     let away = |c: &Component| (c.rate - own).norm();

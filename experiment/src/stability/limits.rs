@@ -1,4 +1,4 @@
-//! How much later, stronger or faster a loop may become before it is unstable.
+//! How much later, stronger or faster a loop can become before it is unstable.
 
 use super::growth::Question;
 use super::small_motion::lateness_s;
@@ -57,15 +57,15 @@ pub struct DelayPart {
     pub from: &'static str,
 }
 
-/// Largest factor that is searched to.
+/// Largest factor searched.
 const MOST: f64 = 100.0;
-/// Longest extra delay that is searched to, in periods of the first mode.
+/// Longest extra delay searched, in periods of the first mode.
 const LONGEST_PERIODS: f64 = 0.5;
-/// Bisections: to a thousandth of the last step.
+/// Number of bisections: to a thousandth of the last step.
 const BISECTIONS: usize = 10;
 
-/// Delay of the measured behind the commanded displacement of the latest actuator at the first natural frequency, s of the
-/// laboratory, on the rig with `vary`.
+/// Delay of the measured displacement behind the command for the latest actuator at the first natural frequency, s of
+/// the laboratory, on the rig with `vary`.
 ///
 /// # Errors
 /// A rig that cannot be built.
@@ -87,7 +87,7 @@ pub fn lateness_of(
 /// All limits.
 ///
 /// # Errors
-/// A test that cannot be written down.
+/// A test that cannot be set up.
 pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<StabilityLimits, Failure> {
     let stable = |vary: Variation| Ok(question.small_motions(structure, &vary)?.stable);
     let late_ms = |vary: Variation| Ok(lateness_of(question, structure, &vary)? * 1e3);
@@ -112,7 +112,7 @@ pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<Stabili
             .map(|s| late_ms(later(s)))
             .transpose()?
     } else {
-        // All times of the actuator shrink together.
+        // Scale all times of the actuator together.
         below(1.0, 1e-3, |f| stable(sooner(f)))?
             .map(|f| late_ms(sooner(f)))
             .transpose()?
@@ -129,15 +129,15 @@ pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<Stabili
     })
 }
 
-/// Points of [`over_delay`].
+/// Number of points of [`over_delay`].
 const POINTS: usize = 40;
 
-/// The fastest growing motion over the delay: ms of the laboratory at the first natural frequency, 1/s of model time.
-/// From a fifth of the actuator's own times to half as much again as the limit, or to twice the present delay where no
-/// limit was found.
+/// Growth of the fastest growing motion over the delay: ms of the laboratory at the first natural frequency, 1/s of
+/// model time. From a fifth of the actuator's own times to half as much again beyond the limit, or to twice the present
+/// delay if no limit was found.
 ///
 /// # Errors
-/// A test that cannot be written down.
+/// A test that cannot be set up.
 pub fn over_delay(
     question: &Question<'_>,
     limits: &StabilityLimits,
@@ -166,8 +166,8 @@ pub fn over_delay(
         .collect()
 }
 
-/// The first value above 0 at which `stable` fails, sought in steps that grow from `from`, at most to `to`; a rig that is
-/// refused is the end of what can be searched.
+/// The value above 0 up to which `stable` holds, searched in growing steps from `from`, at most to `to`; a rig that is
+/// refused ends the search.
 fn beyond(
     from: f64,
     to: f64,
@@ -189,8 +189,7 @@ fn beyond(
     }
 }
 
-/// The largest value below `from`, down to `to`, at which `stable` holds; a rig that is refused is the end of what can be
-/// searched.
+/// The largest value below `from`, down to `to`, at which `stable` holds; a rig that is refused ends the search.
 fn below(
     from: f64,
     to: f64,
@@ -226,12 +225,12 @@ fn bisect(
     Ok(good)
 }
 
-/// The smallest time scale at which the test is stable: below the present one where it already is.
+/// The smallest time scale at which the test is stable; below the present one if that is already stable.
 fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
     let stable = |scale: f64| {
         let mut config = question.config.clone();
         config.timing.time_scale = scale;
-        // A scale that core refuses is none: too fast for the explicit integration.
+        // A scale refused by core does not count: too fast for the explicit integration.
         if config.check().is_err() {
             return Ok(false);
         }
@@ -246,14 +245,14 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
     let present = question.config.timing.time_scale;
     if stable(present)? {
         let mut good = present;
-        // Faster until it fails; a test that is stable a hundred times faster needs no limit.
+        // Faster until it fails; a test that is stable even a hundred times faster needs no limit.
         loop {
             let next = good / 1.3;
             if next < present / MOST {
                 return Ok(Some(good));
             }
             if !stable(next)? {
-                // Stable is what is slower: the sides are turned round.
+                // The slower side is stable: the sides are reversed.
                 return bisect(good, next, stable).map(Some);
             }
             good = next;
@@ -275,10 +274,10 @@ const CONVERSION_MS: f64 = 0.02;
 /// A step of the loop on the board: 900 instructions and 400 of a method, at two cycles each at 168 MHz.
 const COMPUTING_MS: f64 = 0.0155;
 
-/// Where the delay at the first natural frequency comes from.
+/// The contributions to the delay at the first natural frequency.
 ///
 /// # Errors
-/// A test that cannot be written down.
+/// A test that cannot be set up.
 pub fn budget(
     question: &Question<'_>,
     structure: &StructureModes,
@@ -324,7 +323,7 @@ pub fn budget(
     if config.estimation.kind == Filter::LowPass {
         parts.push(DelayPart {
             part: "filter",
-            // Group delay of a second-order Butterworth at rest: sqrt(2) / (2 pi f_c).
+            // Group delay of a second-order Butterworth at zero frequency: sqrt(2) / (2 pi f_c).
             ms: 1e3 * std::f64::consts::SQRT_2
                 / (std::f64::consts::TAU * config.estimation.cutoff_hz),
             from: "estimation: low-pass",

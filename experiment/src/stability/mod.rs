@@ -1,20 +1,20 @@
-//! Stability of a test before it is run: what becomes of small motions of the real loop on the simulated rig.
+//! Stability of a test before it is run: the evolution of small motions of the real loop on the simulated rig.
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`small_motion`] | the run after a blow: how small it is, what is left out of the rig |
-//! | [`pencil`] | what a free motion is made of |
+//! | [`small_motion`] | the run after a blow: its size, and what is left out of the rig |
+//! | [`pencil`] | the components of a free motion |
 //! | [`growth`] | its growth, and the damping of the structure's modes in the loop |
 //! | [`structure_modes`] | those modes without the loop |
 //! | [`variation`] | a rig that differs from the declared one |
-//! | [`limits`] | how much later, stronger or faster it may become |
+//! | [`limits`] | how much later, stronger or faster the loop can become |
 //! | [`perturbed`] | the worst of many rigs |
 //!
 //! # Limitations
-//! Small motion about rest: a specimen that yields has its initial stiffness, which is the stiffest and the one that
-//! lateness makes unstable first. Over variable damping and a predictor that learns small motions do not decide: what they do
-//! depends on the size and the course of the motion. Effects of `plant.effects` that have no small motion are left out,
-//! and it is said.
+//! Small motion about rest: a specimen that yields has its initial stiffness, which is the largest and the first to
+//! become unstable by delay. With variable damping or a predictor that learns, small motions are not conclusive: their
+//! effect depends on the size and history of the motion. Effects of `plant.effects` that have no small motion are left
+//! out, and this is reported.
 
 pub mod growth;
 pub mod limits;
@@ -74,7 +74,7 @@ pub struct Stability {
 }
 
 impl Experiment {
-    /// The test's small motions; `learning` is what an adaptive predictor does in them.
+    /// The test's small motions; `learning` says what an adaptive predictor does in them.
     ///
     /// # Errors
     /// A test that cannot run on an ideal rig.
@@ -89,7 +89,7 @@ impl Experiment {
     }
 }
 
-/// Everything about a test with its own compensation. `one_done` is called after every perturbed rig.
+/// All results for a test with its own compensation. `one_done` is called after each perturbed rig.
 ///
 /// # Errors
 /// A test that cannot be run.
@@ -101,7 +101,7 @@ pub fn answer(
     let config = question.config;
     let structure = StructureModes::of(config)?;
     let row = question.small_motions(&structure, &Variation::NONE)?;
-    // One after the other, and many at once.
+    // The limits one after the other, and the rigs in parallel.
     let (limits, perturbed) = rayon::join(
         || limits::of(question, &structure),
         || perturbed::of(question, &structure, spread, &one_done),
@@ -158,7 +158,7 @@ pub fn answer(
     Ok(answer)
 }
 
-/// Why small motions grow, and with what they would not.
+/// Why small motions grow, and what would prevent it.
 fn reason(a: &Stability) -> String {
     let mut would = Vec::new();
     if let Some(ms) = a.limits.delay.limit {
@@ -182,7 +182,7 @@ fn reason(a: &Stability) -> String {
     if would.is_empty() {
         would.push("a softer specimen or more damping".into());
     }
-    // Where the motion that grows is not of the structure, its own modes may not be seen beside it.
+    // If the growing motion is not the structure's, the structure's own modes may be hidden by it.
     let left = if a.row.damping_ratio.is_nan() {
         String::new()
     } else {

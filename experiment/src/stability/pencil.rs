@@ -1,26 +1,26 @@
-//! What a free motion is made of: sums of `c e^(s t)`, by the matrix pencil (Hua and Sarkar, IEEE Trans. ASSP 38 (1990) 814).
+//! A free motion as a sum of `c e^(s t)`, by the matrix pencil (Hua and Sarkar, IEEE Trans. ASSP 38 (1990) 814).
 //!
-//! Samples in a row, each row one sample later, are a matrix whose row space is that of the exponentials. Moving it by one
-//! sample multiplies each exponential by its own factor: these factors are the eigenvalues of the move.
+//! Rows of consecutive samples, each a sample later than the last, form a matrix with the exponentials' row space. A
+//! shift by one sample multiplies each of them by its own factor: these are the eigenvalues of the shift.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
 
-/// A part of a free motion.
+/// A component of a free motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// s, 1/s: its real part is the growth, its imaginary part the angular frequency.
+    /// s, 1/s: the real part is the growth rate, the imaginary part the angular frequency.
     pub rate: Complex<f64>,
     /// Its amplitude and phase at the last sample, in the unit of the samples.
     pub at_end: Complex<f64>,
 }
 
-/// Most samples in a row: twice as many motions as a loop shows at once, and some for the noise.
+/// Most samples in a row: twice as many components as a loop shows at once, plus some for the noise.
 const MOST_IN_ROW: usize = 32;
-/// Steps of the search for eigenvalues: some thirty each are usual.
+/// Largest number of steps of the eigenvalue search: some thirty each are usual.
 const SEARCHES: usize = 100_000;
 
-/// The components of `samples`, `interval_s` apart, whose share of the motion is above `resolution`: below it is what
-/// rounds, or is no exponential. Empty: there is no motion, or too little of it.
+/// The components of `samples`, `interval_s` apart, whose fraction of the motion exceeds `resolution`: below it are
+/// rounding and what is not exponential. Empty if there is no motion, or too little.
 pub fn components(samples: &[f64], interval_s: f64, resolution: f64) -> Vec<Component> {
     let peak = samples.iter().fold(0.0_f64, |p, x| p.max(x.abs()));
     let in_row = MOST_IN_ROW.min(samples.len() / 3);
@@ -46,10 +46,10 @@ pub fn components(samples: &[f64], interval_s: f64, resolution: f64) -> Vec<Comp
         .collect()
 }
 
-/// By what each component is multiplied from one sample to the next.
+/// The factor of each component from one sample to the next.
 fn factors(samples: &DVector<f64>, in_row: usize, resolution: f64) -> Option<Vec<Complex<f64>>> {
     let rows = samples.len() - in_row;
-    // The squares of the singular values of the matrix of rows: f64 resolves them to 1e-8, which is less than f32's own.
+    // Squares of the singular values of the matrix of rows: f64 resolves them to 1e-8, finer than f32's own resolution.
     let products = DMatrix::from_fn(in_row + 1, in_row + 1, |i, j| {
         samples.rows(i, rows).dot(&samples.rows(j, rows))
     });
@@ -70,10 +70,10 @@ fn factors(samples: &DVector<f64>, in_row: usize, resolution: f64) -> Option<Vec
     Some(all.iter().copied().filter(|z| z.norm() > 0.0).collect())
 }
 
-/// Amplitudes at the last sample of the exponentials with `factors` that are nearest to `samples`.
+/// Amplitudes at the last sample of the exponentials with `factors` that best fit `samples`.
 fn amplitudes(samples: &DVector<f64>, factors: &[Complex<f64>]) -> Option<Vec<Complex<f64>>> {
     let last = samples.len() - 1;
-    // Each column is largest 1, at its first sample or its last.
+    // Each column's largest value is 1, at its first or last sample.
     let columns = DMatrix::from_fn(samples.len(), factors.len(), |k, j| {
         let z: Complex<f64> = factors[j];
         let from = if z.norm() > 1.0 { last as i32 } else { 0 };
@@ -116,7 +116,7 @@ mod tests {
         for (s, c) in motions {
             let own = found.iter().find(|f| (f.rate - s).norm() < 1e-3 * s.norm());
             let own = own.unwrap_or_else(|| panic!("{s} is not among {found:?}"));
-            // A real motion is a pair: each has half of it.
+            // A real motion is a conjugate pair: each has half of it.
             let at_end = 0.5 * c * (s * last_s).exp();
             assert!((own.at_end - at_end).norm() < 1e-4, "{own:?} {at_end}");
         }

@@ -46,11 +46,11 @@ pub struct Perturbed {
     pub growths_per_s: Vec<f64>,
 }
 
-/// No rig is further out than this many standard deviations.
+/// Largest deviation of a rig, in standard deviations.
 const FURTHEST: f64 = 3.0;
 
 impl Spread {
-    /// The rigs.
+    /// Draws the rigs.
     pub fn draw(&self) -> Vec<Variation> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let mut factor = |deviation: f64| {
@@ -69,10 +69,10 @@ impl Spread {
     }
 }
 
-/// All rigs of `spread`, on all cores.
+/// Runs all rigs of `spread`, on all cores.
 ///
 /// # Errors
-/// A test that cannot be written down.
+/// A test that cannot be set up.
 pub fn of(
     question: &Question<'_>,
     structure: &StructureModes,

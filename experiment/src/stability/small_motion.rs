@@ -1,15 +1,15 @@
-//! Small motions of the real loop: a blow on the structure at rest, and what becomes of it.
+//! Small motions of the real loop: its response to a blow on the structure at rest.
 //!
-//! Nothing is linearised: it is the loop of the board with its integrator, filter, force law and predictor, in f32, on the
-//! simulated rig. What has no small motion is left out of the rig: noise, converters, yielding, friction, play, offsets.
+//! Nothing is linearised: the loop is the board's, with its integrator, filter, force law and predictor, in f32, on the
+//! simulated rig. The rig lacks what has no small motion: noise, converters, yielding, friction, play, offsets.
 //!
 //! # How small
-//! f32 rounds in proportion: a loop's steps are right to a ten-millionth of the motion, however small it is, until squares
-//! of displacements leave the range of f32 at some 1e-19 m. A thousandth of the planned motion is far above that, also after
-//! it has decayed by a million, and far below the end of a servo valve, also after it has grown by a hundred. What is not in
-//! proportion are the lengths that a loop knows: the motion above which a predictor learns, the noise that a filter expects.
-//! They are made smaller with the motion. The gains of `amb` go with the square of the motion and may be 1e12 at most: its
-//! motion is no smaller than that allows.
+//! f32 rounds in proportion: a loop's steps are accurate to a ten-millionth of the motion, however small it is, until
+//! squares of displacements leave the range of f32 at some 1e-19 m. A thousandth of the planned motion is far above
+//! that, even after decay by a million, and far below the limit of a servo valve, even after growth by a hundred. Some
+//! lengths in a loop do not scale with the motion: that above which a predictor learns, the noise that a filter
+//! expects. They are scaled down with it. The gains of `amb` scale with the inverse square of the motion and may be
+//! 1e12 at most: its motion is no smaller than that allows.
 
 use super::structure_modes::StructureModes;
 use crate::bench::interface::PreparedTest;
@@ -22,16 +22,16 @@ use plant::measurement::SensorsSpec;
 use plant::{Effect, PerAxis, RigSpec};
 use std::f64::consts::TAU;
 
-/// Share of the planned motion.
+/// Fraction of the planned motion.
 const SHARE: f64 = 1e-3;
 /// Largest gain that `amb` accepts.
 const MOST_GAIN: f64 = 1e12;
-/// A motion that has grown by this factor grows.
+/// A motion grown by this factor counts as growing.
 const GROWN: f64 = 100.0;
-/// Integration steps from the beginning of the blow to its middle, and on to its end.
+/// Integration steps from the start of the blow to its middle, and from there to its end.
 const BLOW_STEPS: usize = 2;
 
-/// Effects that a small motion has.
+/// Effects that are present in a small motion.
 const SMALL: &[Effect] = &[
     Effect::DelayError,
     Effect::LagError,
@@ -45,7 +45,7 @@ const SMALL: &[Effect] = &[
     Effect::InertiaForce,
 ];
 
-/// True of an effect that a small motion has.
+/// True if an effect is present in a small motion.
 pub fn is_small(effect: Effect) -> bool {
     SMALL.contains(&effect)
 }
@@ -55,26 +55,26 @@ pub fn is_small(effect: Effect) -> bool {
 pub enum Learning {
     /// It learns.
     On,
-    /// It stays as it was declared.
+    /// It keeps its declared values.
     Off,
 }
 
-/// The free motion after a blow, from the end of the blow on.
+/// The free motion after a blow, starting at the end of the blow.
 #[derive(Clone, Debug, Default)]
 pub struct FreeMotion {
-    /// s of model time between two samples.
+    /// Model time between two samples, s.
     pub step_s: f64,
     /// Targets of all floors, sample by sample, m.
     pub target_m: Vec<f64>,
-    /// Commands that were sent, as many each.
+    /// Commands sent, in the same layout.
     pub sent_m: Vec<f64>,
-    /// What was read, as many each.
+    /// Readings, in the same layout.
     pub read_m: Vec<f64>,
-    /// It had grown so far that it was stopped.
+    /// True if it grew so far that it was stopped.
     pub grown: bool,
 }
 
-/// `rig` without what has no small motion.
+/// `rig` without what is absent in a small motion.
 pub fn small_rig(rig: &RigSpec) -> RigSpec {
     let sensors = SensorsSpec {
         displacement_gain: rig.sensors.displacement_gain,
@@ -89,10 +89,10 @@ pub fn small_rig(rig: &RigSpec) -> RigSpec {
         effects: rig.effects.clone(),
     };
     small.effects.retain(|e| is_small(e.name));
-    // What begins in mid-test is there from the start: the test has to survive it.
+    // An effect that begins in mid-test is present from the start: the test has to survive it.
     small.effects.iter_mut().for_each(|e| e.from_s = None);
     if let Some(jump) = small.actuator.delay_jump.take() {
-        // A jump of the delay: the longer one is the one to survive.
+        // If the delay jumps, the test has to survive the longer one.
         let longer = |own_ms: f64| own_ms.max(jump.delay_ms);
         small.actuator.delay_ms = match small.actuator.delay_ms {
             PerAxis::All(ms) => PerAxis::All(longer(ms)),
@@ -102,7 +102,7 @@ pub fn small_rig(rig: &RigSpec) -> RigSpec {
     small
 }
 
-/// `config` for a motion that is smaller by `share`.
+/// `config` for a motion smaller by the factor `share`.
 fn small_config(config: &Config, share: f64, learning: Learning) -> Config {
     let mut small = config.clone();
     small.limits = Default::default();
@@ -136,16 +136,16 @@ fn small_config(config: &Config, share: f64, learning: Learning) -> Config {
         }
     }
     c.adaptation.floor_m = match learning {
-        // A motion that decays teaches all the same.
+        // Learn even from a motion that decays.
         Learning::On => 1e-6 * share * c.adaptation.floor_m,
-        // No motion is above the largest floor that is accepted.
+        // No motion exceeds the largest accepted floor.
         Learning::Off => 9.9,
     };
     small
 }
 
 impl FreeMotion {
-    /// Of `config` on `rig` over `seconds` of model time; `planned_peak_m` is the largest displacement of the planned motion.
+    /// Runs `config` on `rig` for `seconds` of model time; `planned_peak_m`: largest planned displacement.
     ///
     /// # Errors
     /// A test or a rig that cannot be run.
@@ -167,7 +167,7 @@ impl FreeMotion {
         let step_s = config.model_step_s();
         let interval_s = BLOW_STEPS as f64 * step_s;
         let steps = (seconds / step_s).ceil() as usize + 2 * BLOW_STEPS;
-        // A triangle; what it moves is its area over the first natural frequency.
+        // A triangular pulse; its displacement is its area over the first natural frequency.
         let blow = share * planned_peak_m * structure.omega[0] / interval_s;
         let mut points = vec![0.0_f32; steps / BLOW_STEPS + 2];
         points[1] = blow as f32;
@@ -226,8 +226,8 @@ impl TestObserver for Kept {
     }
 }
 
-/// Delay of the measured behind the commanded displacement of the latest actuator at `omega`, rad/s of the laboratory, s:
-/// of the rig alone, which is driven in `shape`.
+/// Delay of the measured displacement behind the command for the latest actuator at `omega`, rad/s of the laboratory,
+/// in s: of the rig alone, driven in `shape`.
 ///
 /// # Errors
 /// A rig that cannot be built.
@@ -237,7 +237,7 @@ pub fn lateness_s(
     omega: f64,
     shape: &[f64],
 ) -> Result<f64, Failure> {
-    /// Periods until what began with the motion has gone, and periods that are looked at.
+    /// Periods until the transient has decayed, and periods used.
     const PERIODS: [usize; 2] = [3, 1];
     let rate_hz = config.timing.rate_hz;
     let actuators = config.physical_storeys();
@@ -247,7 +247,7 @@ pub fn lateness_s(
     let period = (TAU / omega * rate_hz).round().max(4.0) as usize;
     let mut sums = vec![[0.0_f64; 2]; actuators];
     let mut command_m = vec![0.0; actuators];
-    // A micrometre: no servo valve is at its end.
+    // A micrometre: far from the limits of a servo valve.
     let size_m = 1e-6 / shape.iter().fold(f64::MIN_POSITIVE, |m, x| x.abs().max(m));
     for k in 0..(PERIODS[0] + PERIODS[1]) * period {
         let (sine, cosine) = (TAU * k as f64 / period as f64).sin_cos();
@@ -262,7 +262,7 @@ pub fn lateness_s(
             }
         }
     }
-    // A whole number of control periods is a period of nearly omega.
+    // A whole number of control periods whose frequency is close to omega.
     let per_radian_s = period as f64 / (TAU * rate_hz);
     let late_s = |[in_phase, quadrature]: [f64; 2]| -quadrature.atan2(in_phase) * per_radian_s;
     Ok(sums

@@ -12,12 +12,12 @@ pub struct StructureModes {
     pub omega: Vec<f64>,
     /// Displacement of each floor in the first mode.
     pub first_shape: Vec<f64>,
-    /// Each gives the coordinate of its mode from the displacements of the floors; of length 1.
+    /// Each gives its mode's coordinate from the displacements of the floors; of unit length.
     pub coordinates: Vec<DVector<f64>>,
 }
 
 impl StructureModes {
-    /// Of a test's structure without damping.
+    /// For a test's structure without damping.
     ///
     /// # Errors
     /// A structure that core refuses.
@@ -35,7 +35,7 @@ impl StructureModes {
         let [mass, stiffness] = with_floors!(config.degrees_of_freedom(), N => {
             plain::<N>(config).map_err(|e| Failure::input(e.to_string()))
         })?;
-        // With unit masses the problem is symmetric.
+        // With masses scaled to one the problem is symmetric.
         let root = mass.diagonal().map(f64::sqrt);
         let floors = root.len();
         let scaled = DMatrix::from_fn(floors, floors, |i, j| {

@@ -21,7 +21,7 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// None.
+    /// No difference.
     pub const NONE: Self = Self {
         delay: 1.0,
         extra_s: 0.0,
@@ -30,11 +30,11 @@ impl Variation {
         damping: 1.0,
     };
 
-    /// The rig that differs so; damping is the structure's.
+    /// The rig with these differences; damping is the structure's.
     pub fn of(&self, rig: &RigSpec, config: &Config) -> RigSpec {
         let mut own = rig.clone();
         let structure = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
-        // A stiffness that cannot be is refused where the rig is built.
+        // An inadmissible stiffness is refused when the rig is built.
         if self.stiffness != 1.0
             && let Ok(stiffness) = own.specimen.stiffness(structure)
         {
@@ -55,7 +55,7 @@ impl Variation {
         own
     }
 
-    /// The same of two coupled actuators: a time is that of a pole, of a zero or of a delay, and damping the specimen's.
+    /// The same for two coupled actuators: the times are those of poles, zeros and delays, the damping the specimen's.
     pub fn of_coupled(&self, rig: &CoupledRigSpec) -> CoupledRigSpec {
         let mut own = rig.clone();
         let scaled = |numbers: &mut [f64], by: f64| numbers.iter_mut().for_each(|x| *x *= by);
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(own.actuator.delay_ms.at(0), 6.0);
         assert_eq!(own.actuator.delay_jump.unwrap().delay_ms, 9.0);
         assert_eq!(own.specimen.stiffness(&[158e3]), Ok(vec![158e3 * 1.1]));
-        // A dashpot has no spring to be stiffer.
+        // A dashpot has no spring that could be stiffer.
         rig.specimen.kind = plant::specimen::SpecimenKind::Viscous;
         rig.specimen.damping_n_s_per_mm = 1.0.into();
         assert_eq!(

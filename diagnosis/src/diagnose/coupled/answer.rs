@@ -1,4 +1,4 @@
-//! The verdict on a specimen of several coordinates, in figures.
+//! The verdict on a specimen of several coordinates, as figures.
 
 use super::reciprocity::{Place, Tied};
 use super::record::Moved;
@@ -53,7 +53,7 @@ pub struct WrongEntry {
 }
 
 impl WrongEntry {
-    /// Whether it, and no other in its place, is wrong.
+    /// True if it is wrong, and no other entry could be in its place.
     fn is_sure(&self) -> bool {
         self.probability >= SURE && self.alternatives.is_empty()
     }
@@ -62,9 +62,9 @@ impl WrongEntry {
 /// Forces of a coordinate on the test data, N or N m, for plots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CoupledTraces {
-    /// From one sample to the next, s.
+    /// Sampling interval, s.
     pub interval_s: f64,
-    /// As measured, behind the low-pass.
+    /// As measured, after the low-pass.
     pub measured: Vec<f64>,
     /// As declared.
     pub declared: Vec<f64>,
@@ -110,10 +110,10 @@ pub struct CoupledDiagnosis {
     pub improved: CoupledSpecimen,
 }
 
-/// Share of the force that may be left, rms, for the force to count as explained.
+/// Largest rms residual, as a fraction of the force, for the force to count as explained.
 const EXPLAINED: f64 = 0.1;
 
-/// What is judged.
+/// The input to the judgement.
 pub struct Judge<'a> {
     pub declared: &'a CoupledSpecimen,
     pub tied: &'a Tied,
@@ -135,7 +135,7 @@ impl Judge<'_> {
         }
     }
 
-    /// The rows as found; as declared where nothing is wrong.
+    /// The rows as found; as declared if nothing is wrong.
     fn rows(&self) -> Vec<Vec<Declared>> {
         let mut rows: Vec<Vec<Declared>> = (0..self.declared.count())
             .map(|i| self.declared.row(i))
@@ -213,7 +213,7 @@ impl Judge<'_> {
         }
     }
 
-    /// What else there is to say of a coordinate; `dead`: something is wrong there because nothing answers.
+    /// Further notes on a coordinate; `dead`: something is wrong there because nothing responds.
     fn notes(&self, i: usize, dead: bool) -> Vec<String> {
         let dead = dead.then(|| {
             format!(
@@ -255,7 +255,7 @@ impl Judge<'_> {
         }
     }
 
-    /// `mass of x_m by rotation_rad`.
+    /// For example `mass of x_m by rotation_rad`.
     fn name(&self, (row, k): Place) -> String {
         let (n, names) = (self.declared.count(), &self.declared.coordinates);
         format!("{} of {} by {}", MATRICES[k / n], names[row], names[k % n])
@@ -269,7 +269,7 @@ fn resisted(m: &Moved, row: &[Declared]) -> Vec<f64> {
         .collect()
 }
 
-/// Less its mean: a force at rest is no entry.
+/// Without its mean: a force at rest is not an entry.
 fn centred(mut x: Vec<f64>) -> Vec<f64> {
     let mean = mean(&x);
     x.iter_mut().for_each(|x| *x -= mean);

@@ -1,14 +1,14 @@
-//! What a record alone says of a row of the matrices: instrumental variables, with a covariance from blocks.
+//! Estimates a row of the matrices from a record alone: instrumental variables, with a covariance from blocks.
 //!
-//! Least squares of the force on noisy readings make entries too small, accelerations most. The target moved as the
-//! specimen did and has no noise of the readings: with it as instrument the noise averages out.
+//! Least squares of the force on noisy readings would bias entries low, accelerations most. The target moved like the
+//! specimen but without the readings' noise: as an instrument it averages the noise out.
 
 use super::record::Moved;
 use crate::model::coordinates::CoupledSpecimen;
 use crate::record::refusal::Refusal;
 use nalgebra::{DMatrix, DVector};
 
-/// The unknowns of a row and how sure they are.
+/// The unknowns of a row with their uncertainty.
 pub struct Estimate {
     /// In the order of [`CoupledSpecimen::row`].
     pub value: DVector<f64>,
@@ -16,15 +16,15 @@ pub struct Estimate {
     pub covariance: DMatrix<f64>,
 }
 
-/// Lengths of blocks, s: of what is correlated over more than a block, longer ones see more.
+/// Lengths of blocks, s: longer ones capture correlation that lasts longer than a block.
 const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
-/// Keeps what a motion cannot tell apart from being divided by zero, as a share of a column's own squares.
+/// Avoids division by zero for what a motion cannot tell apart, as a fraction of a column's own squares.
 const RIDGE: f64 = 1e-9;
 
 /// One estimate for each coordinate.
 pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estimate>, Refusal> {
     let n = declared.count();
-    // One unknown more: the force at rest.
+    // One additional unknown: the force at rest.
     let unknowns = 3 * n + 1;
     let size = |columns: fn(&Moved) -> &Vec<Vec<f64>>| -> Vec<f64> {
         let rms = |c: usize| {
@@ -85,7 +85,7 @@ pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estim
                             blocks += 1.0;
                         }
                     }
-                    // Of what the ridge alone decides nothing is known.
+                    // Whatever only the ridge determines is unknown.
                     meat +=
                         DMatrix::<f64>::identity(unknowns, unknowns) * (RIDGE * squares / samples);
                     let used = blocks / (blocks - unknowns as f64).max(0.5 * blocks);

@@ -6,12 +6,12 @@
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`crate::model::coordinates`] | what is declared of K, C and M |
-//! | [`record`] | the motion and the forces, behind one low-pass without phase |
-//! | [`fit`] | what a record alone says of the entries, with its covariance |
-//! | [`reciprocity`] | entries that are one unknown, since what acts one way acts back |
-//! | [`select`] | the entries that cannot be what they were declared to be |
-//! | [`answer`] | the verdict, in figures |
+//! | [`crate::model::coordinates`] | the declared K, C and M |
+//! | [`record`] | motion and forces after one zero-phase low-pass |
+//! | [`fit`] | the entries estimated from a record alone, with their covariance |
+//! | [`reciprocity`] | entries that are one unknown, since action and reaction are equal |
+//! | [`select`] | the entries that contradict their declaration |
+//! | [`answer`] | the verdict, as figures |
 
 mod answer;
 mod fit;
@@ -28,10 +28,10 @@ use answer::Judge;
 use record::Moved;
 use std::time::Instant;
 
-/// Finds which entries of `declared` the forces of `train` contradict, and judges what was found on `test`.
+/// Finds which entries of `declared` are contradicted by the forces of `train`, and judges the result on `test`.
 ///
 /// # Errors
-/// A specimen or a record that cannot be judged, in one sentence.
+/// A specimen or a record that cannot be judged, described in one sentence.
 pub fn diagnose_coupled(
     declared: &CoupledSpecimen,
     train: &[CoupledRecord],

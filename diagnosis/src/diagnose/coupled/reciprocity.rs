@@ -1,7 +1,7 @@
-//! What a coordinate does to another, the other does to it: the theorem of Maxwell and Betti ties two entries to one unknown.
+//! Two coordinates act equally on each other: the theorem of Maxwell and Betti ties two entries to one unknown.
 //!
-//! The tie is not made where the declaration itself has two values, or where the record contradicts it by more than a share
-//! of the force: then the calibration of a force is wrong, and not the specimen.
+//! There is no tie if the declaration itself has two values, or if the record contradicts it by more than a fraction of
+//! the force: then the calibration of a force is wrong, not the specimen.
 
 use super::fit::Estimate;
 use super::record::Moved;
@@ -10,25 +10,25 @@ use crate::model::coordinates::{CoupledSpecimen, MATRICES};
 use crate::model::declared::Declared;
 use nalgebra::{DMatrix, DVector};
 
-/// The place of an entry: its row, and which unknown of the row it is.
+/// Position of an entry: its row, and its index among the row's unknowns.
 pub type Place = (usize, usize);
 
 /// The unknowns of all rows together.
 pub struct Tied {
-    /// Where each unknown stands: in one place or in two.
+    /// Where each unknown appears: in one place or in two.
     pub places: Vec<Vec<Place>>,
-    /// As declared.
+    /// The declared values.
     pub declared: Vec<Declared>,
-    /// As the record alone has them.
+    /// The estimates from the record alone.
     pub estimate: Estimate,
     /// Pairs that the record contradicts.
     pub uneven: Vec<[Place; 2]>,
 }
 
-/// Of a variance, what rounding may have left of it.
+/// Fraction of a variance that may be rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What is known of two unknowns together, as if their difference had been measured to be zero.
+/// Updates two unknowns as if their difference had been measured to be zero.
 fn as_if_equal(a: usize, b: usize, value: &mut DVector<f64>, covariance: &mut DMatrix<f64>) {
     let turn = covariance.column(a) - covariance.column(b);
     let spread = turn[a] - turn[b];
@@ -88,7 +88,7 @@ pub fn tie(specimen: &CoupledSpecimen, rows: &[Estimate], train: &[Moved]) -> Ti
     for [a, b] in &tied {
         as_if_equal(at(*a), at(*b), &mut value, &mut covariance);
     }
-    // Differences of large numbers are left: what they can be wrong by is no certainty.
+    // These are differences of large numbers: their possible error is not certainty.
     for (i, own) in apart.iter().enumerate() {
         covariance[(i, i)] += ROUNDING * own;
     }

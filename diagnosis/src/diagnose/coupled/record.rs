@@ -1,27 +1,26 @@
-//! Motion and forces of all coordinates, behind one low-pass without phase.
+//! Motion and forces of all coordinates, after one zero-phase low-pass.
 
 use crate::model::coordinates::CoupledSpecimen;
 use crate::record::refusal::Refusal;
 use crate::record::spectrum::{Density, Motion, bandwidth_hz, smooth};
 
-/// A record of a specimen of several coordinates; a column for each, all of one length.
+/// A record of a specimen of several coordinates: a column for each, all of one length.
 #[derive(Clone, Debug, Default)]
 pub struct CoupledRecord {
     /// The file, for messages.
     pub name: String,
-    /// From one sample to the next, s.
+    /// Sampling interval, s.
     pub interval_s: f64,
     /// Measured, m or rad.
     pub displacement: Vec<Vec<f64>>,
     /// Measured, N or N m.
     pub force: Vec<Vec<f64>>,
-    /// Where the coordinates were sent, m or rad. It carries no noise of the readings, so that entries do not come out
-    /// too small.
+    /// Commanded coordinates, m or rad. They do not contain the readings' noise, which would bias entries low.
     pub target: Option<Vec<Vec<f64>>>,
 }
 
 impl CoupledRecord {
-    /// Whether there is a column for each coordinate.
+    /// Checks that there is a column for each coordinate.
     pub(super) fn check(&self, declared: &CoupledSpecimen) -> Result<(), Refusal> {
         let n = declared.count();
         for (what, columns) in [("displacement", &self.displacement), ("force", &self.force)] {
@@ -55,7 +54,7 @@ impl CoupledRecord {
     }
 }
 
-/// Where the noise of the readings takes over in any coordinate, Hz.
+/// Frequency at which the readings' noise takes over in any coordinate, Hz.
 pub fn cutoff_hz(train: &[CoupledRecord]) -> Result<f64, Refusal> {
     let mut lowest = f64::INFINITY;
     for record in train {
@@ -78,18 +77,18 @@ fn too_short(record: &CoupledRecord) -> Refusal {
     ))
 }
 
-/// Periods of the cut-off that are left out at either end, where a low-pass does not know what comes.
+/// Periods of the cut-off omitted at either end, where a low-pass lacks data.
 const ENDS: f64 = 3.0;
-/// Samples that are left at least.
+/// Fewest samples that must remain.
 const FEWEST: usize = 500;
 
-/// A record behind the low-pass.
+/// A record after the low-pass.
 pub struct Moved {
-    /// From one sample to the next, s.
+    /// Sampling interval, s.
     pub interval_s: f64,
-    /// For each unknown of a row (see [`CoupledSpecimen::row`]) what it is multiplied by.
+    /// The factor of each unknown of a row (see [`CoupledSpecimen::row`]).
     pub motion: Vec<Vec<f64>>,
-    /// The same of the target; of the reading itself where the record has none.
+    /// The same of the target, or of the reading if the record has no target.
     pub instrument: Vec<Vec<f64>>,
     /// Force of each coordinate.
     pub force: Vec<Vec<f64>>,
@@ -124,7 +123,7 @@ impl Moved {
         })
     }
 
-    /// Samples.
+    /// Number of samples.
     pub fn len(&self) -> usize {
         self.motion[0].len()
     }

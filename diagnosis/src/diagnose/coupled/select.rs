@@ -1,8 +1,7 @@
-//! The entries that cannot be what they were declared to be: the engine's search, posterior and verdict, in which a name is an
-//! entry.
+//! The entries that contradict their declaration: the engine's search, posterior and verdict, with entries as names.
 //!
-//! What every sample says against a declaration, of which some entries are given up, is its distance from the record in the
-//! measure of both their uncertainties.
+//! The evidence of all samples against a declaration, some entries of which are given up, is its distance from the
+//! record in the metric of both uncertainties.
 
 use super::fit::Estimate;
 use crate::criteria::coordinates::{ENTRY, ROUNDING};
@@ -16,24 +15,24 @@ use plant::Family;
 
 /// An entry that is wrong.
 pub struct Wrong {
-    /// Its place among the unknowns.
+    /// Its index among the unknowns.
     pub entry: usize,
-    /// How probable it is that it is.
+    /// Probability that it is wrong.
     pub probability: f64,
-    /// Those that would explain the record as well in its place.
+    /// Entries that would explain the record equally well in its place.
     pub as_well: Vec<usize>,
 }
 
-/// What the entries came to.
+/// The conclusion about the entries.
 pub struct Chosen {
     /// The entries that are wrong, the likeliest first.
     pub wrong: Vec<Wrong>,
-    /// Every entry as the record and what is left of the declaration have it together; the tolerance is its standard
-    /// deviation.
+    /// Every entry, estimated from the record and the retained part of the declaration together; the tolerance is its
+    /// standard deviation.
     pub entries: Vec<Declared>,
 }
 
-/// A name: the place of an entry among the unknowns.
+/// A name: the index of an entry among the unknowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Entry(usize);
 
@@ -47,7 +46,7 @@ impl Name for Entry {
     }
 }
 
-/// The declaration, of which the entries `kept` still count.
+/// The declaration, of which only the entries `kept` still count.
 struct Held<'a> {
     declared: &'a [Declared],
     estimate: &'a Estimate,
@@ -55,7 +54,7 @@ struct Held<'a> {
 }
 
 impl Held<'_> {
-    /// Declared less estimated.
+    /// Declared minus estimated.
     fn off(&self) -> DVector<f64> {
         DVector::from_fn(self.kept.len(), |c, _| {
             let k = self.kept[c];
@@ -63,7 +62,7 @@ impl Held<'_> {
         })
     }
 
-    /// Covariance of [`Held::off`], scaled to a diagonal of ones, and the scale.
+    /// Covariance of [`Held::off`], scaled to a unit diagonal, and the scale.
     fn covariance(&self) -> (DMatrix<f64>, DVector<f64>) {
         let n = self.kept.len();
         let both = DMatrix::from_fn(n, n, |c, d| {
@@ -93,7 +92,7 @@ impl Held<'_> {
         }
     }
 
-    /// Every entry from the record and the declaration of those that are kept.
+    /// Every entry estimated from the record and the kept declarations.
     fn together(&self) -> Vec<Declared> {
         let all = self.estimate.value.len();
         let (covariance, scale) = self.covariance();
@@ -126,7 +125,7 @@ fn held<'a>(declared: &'a [Declared], estimate: &'a Estimate, given_up: &[usize]
     }
 }
 
-/// The entries that are wrong, and what all of them are.
+/// The wrong entries, and estimates of all entries.
 pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
     let evidence = |given_up: &[usize]| {
         let against = 0.5 * held(declared, estimate, given_up).distance();
@@ -159,7 +158,7 @@ pub fn wrong(declared: &[Declared], estimate: &Estimate) -> Chosen {
         Said::Set(model, _) | Said::Unknown(Some(model)) => places(&model),
     };
     let whole = evidence(&chosen).score();
-    // As probable beside the chosen one as what stands beside a sure name.
+    // As probable relative to the chosen one as a further name given with sure ones.
     let near = |set: &[usize]| whole - evidence(set).score() < -RIVALS.ln();
     let in_place_of = |entry: usize| -> Vec<usize> {
         let free = (0..declared.len()).filter(|other| !chosen.contains(other));

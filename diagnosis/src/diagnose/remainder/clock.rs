@@ -1,4 +1,4 @@
-//! Two clocks that run at different rates: what is left is the speed of the answer times the time since the two agreed.
+//! Two clocks with different rates: the residual is the response's speed times the time since they agreed.
 
 use super::columns::Moves;
 use crate::numbers::linear::{dot, gram, stacked};
@@ -7,33 +7,33 @@ use crate::numbers::signals::add_columns;
 use crate::record::recording::range;
 use nalgebra::DVector;
 
-/// Of the squares on held-out data, what a clock must take to be said.
+/// Fraction of the held-out squares that a clock must explain to be reported.
 const TAKES: f64 = 0.3;
-/// With it the columns leave at most this share of what they leave without it: a channel that is late by a constant time takes
+/// The columns must leave at most this fraction of what they leave without it: a channel with a constant delay takes
 /// three quarters of what a clock does.
 const LEAVES: f64 = 0.5;
-/// The same on the training data: a clock runs there, too, where the channel's own lag is right in the middle.
+/// The same on the training data: a clock also drifts if the channel's own lag is right in the middle.
 const LEAVES_OF_TRAINING: f64 = 0.7;
-/// The same of what friction leaves that changes with time: it has the sign of the speed, and four fifths of a clock's squares.
+/// The same of changing friction, which has the sign of the speed, and four fifths of a clock's squares.
 const LEAVES_OF_FRICTION: f64 = 0.8;
-/// Gives of that friction, over half the range of the motion.
+/// Gives of that friction, relative to half the range of the motion.
 const GIVES: [f64; 2] = [0.02, 0.1];
 
-/// The output's clock runs at another rate than the input's.
+/// The output's clock runs at a different rate from the input's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// By which share of the time the output comes later and later; earlier where it is negative.
+    /// Fraction of the time by which the output comes later and later; negative if earlier.
     pub late: f64,
-    /// By how much it is late at the end of the training data, s, since their beginning; of several runs that of the longest.
+    /// Delay at the end of the training data since their beginning, s; of several runs, that of the longest.
     pub at_the_end_s: f64,
-    /// Share of the squares on held-out data.
+    /// Fraction of the held-out squares.
     pub share: f64,
 }
 
-/// The time of a record's first sample since both clocks began, s.
+/// Time of a record's first sample since both clocks started, s.
 type Since<'a> = &'a dyn Fn(&Moves) -> f64;
 
-/// The speed of a model's answer times the time, its speed and itself.
+/// The speed of a model's response times the time, its speed, and the response itself.
 fn columns(answer: &Moves, since: Since) -> Vec<Vec<f64>> {
     let (h, begin) = (answer.interval_s, since(answer));
     let timed = answer.v.iter().enumerate();
@@ -44,7 +44,7 @@ fn columns(answer: &Moves, since: Since) -> Vec<Vec<f64>> {
     ]
 }
 
-/// A force that slides and changes with time, as of a lead core that heats, and the answer.
+/// A sliding force that changes with time, like that of a heating lead core, and the response.
 fn slides(m: &Moves, since: Since) -> Vec<Vec<f64>> {
     let (h, begin) = (m.interval_s, since(m));
     let half = 0.5 * range(&m.other);
@@ -58,14 +58,14 @@ fn slides(m: &Moves, since: Since) -> Vec<Vec<f64>> {
     all
 }
 
-/// What the columns leave of the rests of the training and of the test records, as shares, and their weights.
+/// Fraction that columns leave of the training and test residuals, and their weights.
 struct UnexplainedShares {
     train: f64,
     test: f64,
     weights: Vec<f64>,
 }
 
-/// What columns leave.
+/// Fits columns to residuals.
 fn left(
     of: &dyn Fn(&Moves) -> Vec<Vec<f64>>,
     train: &[Moves],
@@ -92,11 +92,11 @@ fn left(
     })
 }
 
-/// The clock that the rests show; `x` and `v` of each are those of the model's answer, `other` is its input. `None` where they
-/// show none.
+/// The clock seen in the residuals; `x` and `v` of each are those of the model's response, `other` is its input. `None`
+/// if there is none.
 pub fn clock(train: &[Moves], test: &[Moves]) -> Option<Clock> {
     let first = train.first()?.begin_s;
-    // Spans of one run share their beginning; records of several runs may each have their own.
+    // Spans of one run share their start; records of several runs may each have their own.
     let one_run = seen(train, test, &|m| m.begin_s - first);
     let own = seen(train, test, &|_| 0.0);
     let found = one_run.into_iter().chain(own);
@@ -133,7 +133,7 @@ fn seen(train: &[Moves], test: &[Moves], since: Since) -> Option<Clock> {
 mod tests {
     use super::*;
 
-    /// A spring of 100 N/mm whose force is read by another clock.
+    /// A spring of 100 N/mm whose force is recorded by another clock.
     fn record(phase: f64, rest: impl Fn(f64, f64) -> f64) -> Moves {
         let h = 2e-3;
         let x = |t: f64| 10.0 * (2.1 * t + phase).sin() + 4.0 * (5.3 * t).cos();
@@ -192,9 +192,9 @@ mod tests {
     #[test]
     fn a_clock_that_is_slow_is_found_in_two_spans_of_one_run() {
         let x = |t: f64| 10.0 * (2.1 * t + 0.3).sin() + 4.0 * (5.3 * t).cos();
-        // The channel's lag has taken what is right in the middle of the training span, at 9 s.
+        // The channel's lag has absorbed what is right in the middle of the training span, at 9 s.
         let whole = record(0.3, |t, now| x(t - 3e-4 * (t - 9.0)) - now);
-        // A channel that is late in the second span alone runs by one clock.
+        // A channel that is late only in the second span has one clock.
         let once = record(0.3, |t, now| if t < 18.0 { 0.0 } else { x(t - 3e-3) - now });
         let of = |whole: &Moves, from: usize, end: usize| Moves {
             begin_s: 1e6 + from as f64 * whole.interval_s,

@@ -1,28 +1,28 @@
-//! What a rest may depend on: columns for each class, of no equation in particular.
+//! Possible dependences of a residual: columns for each class, independent of any particular equation.
 
 use crate::model::answer::{DependsOn, Range};
 use crate::numbers::operators::slider;
 use crate::numbers::signals::{derivative, lagged};
 
-/// The motion of one record beside its rest.
+/// The motion of a record, with its residual.
 #[derive(Clone, Debug)]
 pub struct Moves {
     /// Sampling interval, s.
     pub interval_s: f64,
-    /// Time of the first sample by the record's own stamps, s.
+    /// Time of the first sample by the record's own time stamps, s.
     pub begin_s: f64,
-    /// What goes into the channel, without its noise, mm.
+    /// The channel's input, without its noise, mm.
     pub x: Vec<f64>,
     /// Its speed, mm/s.
     pub v: Vec<f64>,
-    /// Another signal of the record: the force beside an actuator, the command beside a specimen; empty without one.
+    /// Another signal of the record: the force for an actuator, the command for a specimen; empty if there is none.
     pub other: Vec<f64>,
-    /// What the model leaves.
+    /// The model's residual.
     pub rest: Vec<f64>,
 }
 
 impl Moves {
-    /// From an input; its noise above the band of the motion is taken off.
+    /// From an input; its noise above the motion's band is removed.
     pub fn new(input: &[f64], other: Vec<f64>, rest: Vec<f64>, interval_s: f64) -> Self {
         let band = crate::record::spectrum::motion_band_hz(input, interval_s);
         let x = match band {
@@ -44,7 +44,7 @@ impl Moves {
 }
 
 impl Range {
-    /// Of records.
+    /// From records.
     pub fn of(records: &[Moves]) -> Self {
         let ends = |of: fn(&Moves) -> &Vec<f64>| {
             let all = records.iter().flat_map(of);
@@ -60,18 +60,18 @@ impl Range {
     }
 }
 
-/// Hats over a range, and over each of two ranges.
+/// Number of hats over one range, and over each of two ranges.
 const HATS: usize = 9;
 const HATS_OF_TWO: usize = 6;
-/// Sliders of a memory, by the half range.
+/// Slider displacements for memory, relative to half the range.
 const SLIDERS: [f64; 10] = [0.004, 0.01, 0.02, 0.04, 0.08, 0.15, 0.25, 0.4, 0.6, 0.9];
-/// Filters, from a few samples to this share of a record.
+/// Number of filters, from a few samples to this fraction of a record.
 const FILTERS: usize = 8;
 const SLOWEST: f64 = 0.05;
-/// Steps of amplitude.
+/// Number of amplitude levels.
 const AMPLITUDES: usize = 4;
 
-/// Shares of hats at a value of a range, in the hats' order: a straight line between the two nearest; nothing outside.
+/// Weights of hats at a value of a range, in the hats' order: linear between the two nearest; none outside.
 fn hats(value: f64, [low, high]: [f64; 2], n: usize) -> impl Iterator<Item = f64> {
     let at = (value - low) / (high - low).max(f64::MIN_POSITIVE) * (n - 1) as f64;
     let inside = (-1e-9..=(n - 1) as f64 + 1e-9).contains(&at);
@@ -84,7 +84,7 @@ fn hats(value: f64, [low, high]: [f64; 2], n: usize) -> impl Iterator<Item = f64
     })
 }
 
-/// Columns of a class for one record, the same number for every record.
+/// Columns of a class for one record; every record has the same number.
 pub fn columns(class: DependsOn, m: &Moves, range: &Range) -> Vec<Vec<f64>> {
     let n = m.x.len();
     let h = m.interval_s;
@@ -146,7 +146,7 @@ pub fn columns(class: DependsOn, m: &Moves, range: &Range) -> Vec<Vec<f64>> {
     }
 }
 
-/// The larger half range of the last moments, up to a tenth of a record.
+/// Running maximum of the size, relative to the middle, over up to a tenth of a record.
 fn envelope(x: &[f64], h: f64, seconds: f64) -> Vec<f64> {
     let decay = (-h / (0.02 * seconds)).exp();
     let (mut high, mut low) = (x[0], x[0]);
@@ -160,10 +160,10 @@ fn envelope(x: &[f64], h: f64, seconds: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The odd part of the strengths of a class: what changes its sign with the motion.
+/// The odd part of a class's strengths: it changes sign with the motion.
 pub fn odd_part(class: DependsOn, weights: &[f64]) -> Vec<f64> {
     match class {
-        // The mirror image of a hat, in one direction or in both, is the one as far from the other end.
+        // A hat's mirror image, in one direction or in both, is the one equally far from the other end.
         DependsOn::Displacement | DependsOn::Velocity | DependsOn::DisplacementAndVelocity => {
             weights
                 .iter()

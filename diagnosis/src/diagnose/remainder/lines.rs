@@ -1,25 +1,25 @@
-//! Coherent lines and tones that wander, in what a model leaves.
+//! Coherent lines and wandering tones in a model's residual.
 
 use crate::model::answer::Line;
 use crate::record::spectrum::periodogram;
 
-/// Widths, in bins, over which a tone may wander, and how many times the running median its mean must be: chance makes
-/// one false alarm in some hundred records of noise.
+/// Widths, in bins, over which a tone may wander, and the required ratio of its mean to the running median: chance
+/// gives one false alarm in some hundred records of noise.
 const WIDTHS: [(usize, f64); 4] = [(1, 26.0), (4, 9.5), (16, 4.2), (64, 2.6)];
-/// Bins to either side that a running median is taken over, beside the width itself.
+/// Bins to either side used for a running median, besides the width itself.
 const AROUND: usize = 60;
-/// Bins of the motion that are above this share of its largest are lines of its own.
+/// The motion has its own line in bins above this fraction of its largest.
 const OWN: f64 = 1e-4;
-/// Its strongest bins, above this share of the largest, have harmonics.
+/// Its strongest bins, above this fraction of the largest, have harmonics.
 const STRONG: f64 = 0.05;
-/// Harmonics that are struck out.
+/// Number of harmonics removed.
 const HARMONICS: usize = 9;
-/// Lines that are named.
+/// Largest number of lines named.
 const MOST: usize = 3;
-/// A line must hold this share of the squares, else it does not matter.
+/// Fraction of the squares below which a line does not matter.
 const MATTERS: f64 = 0.02;
 
-/// Bins that belong to the motion: its own, and harmonics of its strong ones.
+/// Bins that belong to the motion: its own, and the harmonics of its strong ones.
 fn struck(motion: &[f64]) -> Vec<bool> {
     let power = periodogram(motion);
     let n = power.len();
@@ -44,24 +44,24 @@ fn struck(motion: &[f64]) -> Vec<bool> {
     out
 }
 
-/// A tone wanders over this share of its frequency at most.
+/// Largest wander of a tone, as a fraction of its frequency.
 const WANDERS: f64 = 0.25;
 
-/// Lines of a standstill that are tones, strongest first: what is wider is the colour of noise, of which a second or two have but a few
-/// bins.
+/// Lines at standstill that are tones, strongest first: wider ones are the colour of the noise, for which a second or
+/// two has only a few bins.
 pub fn tones(still: &[f64], interval_s: f64) -> Vec<Line> {
     found(still, &vec![0.0; still.len()], interval_s, WANDERS)
 }
 
-/// Lines of a rest that are not the motion's, strongest first.
+/// Lines of a residual that do not belong to the motion, strongest first.
 pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
     found(rest, motion, interval_s, f64::INFINITY)
 }
 
-/// The same of lines that wander over no more than a share of their frequency.
+/// The same, of lines that wander by no more than a fraction of their frequency.
 fn found(rest: &[f64], motion: &[f64], interval_s: f64, wanders: f64) -> Vec<Line> {
     let struck = struck(motion);
-    // What is left behind the motion's own bins, one after the other, with the place that each came from.
+    // The bins that remain without the motion's own, in order, with their original indices.
     let all = periodogram(rest);
     let places: Vec<usize> = (0..all.len()).filter(|k| !struck[*k]).collect();
     let mut power: Vec<f64> = places.iter().map(|k| all[*k]).collect();
@@ -112,11 +112,11 @@ fn found(rest: &[f64], motion: &[f64], interval_s: f64, wanders: f64) -> Vec<Lin
     found
 }
 
-/// Share of a line's rms that the signal itself must have there.
+/// Fraction of a line's rms that the signal itself must have there.
 const THERE: f64 = 0.5;
 
-/// Whether a signal has a line itself: what a model makes of its input's noise, twice differentiated for a mass, is a line of the
-/// model and not of what was measured.
+/// True if a signal itself has a line: what a model makes of its input's noise, twice differentiated for a mass, is a
+/// line of the model and not of the measurement.
 pub fn is_in(line: &Line, signal: &[f64], interval_s: f64) -> bool {
     let power = periodogram(signal);
     let whole: f64 = power.iter().sum();
@@ -130,13 +130,13 @@ pub fn is_in(line: &Line, signal: &[f64], interval_s: f64) -> bool {
     (square * own / whole.max(f64::MIN_POSITIVE)).sqrt() >= THERE * line.rms
 }
 
-/// The place from `first` on where the mean over a width is most times the running median, and how many times.
+/// The position from `first` on where the mean over a width exceeds the running median most, and the ratio.
 fn prominent(power: &[f64], width: usize, first: usize) -> Option<(usize, f64)> {
     let mut sum: f64 = power.get(first..first + width)?.iter().sum();
     let mut best: Option<(usize, f64)> = None;
     let mut median = f64::MIN_POSITIVE;
     for at in first..power.len() - width {
-        // The median moves slowly.
+        // The median varies slowly.
         if (at - first).is_multiple_of(AROUND / 4) {
             median = running_median(power, at, width).max(f64::MIN_POSITIVE);
         }
@@ -149,10 +149,10 @@ fn prominent(power: &[f64], width: usize, first: usize) -> Option<(usize, f64)> 
     best
 }
 
-/// Of noise whose powers have this median, the mean.
+/// Mean of noise powers over their median.
 const MEAN: f64 = 1.443;
 
-/// The mean that noise around a place would have, from the median there.
+/// Mean of the noise around a position, from the median there.
 fn running_median(power: &[f64], at: usize, width: usize) -> f64 {
     let room = AROUND + 4 * width;
     let (from, end) = (
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_colour_of_noise_is_no_line_of_a_short_rest() {
-        // A second and a half of noise below 20 Hz, beside white noise, and below the ripple of a pump that hunts by 3 %.
+        // A second and a half of noise below 20 Hz, with white noise, and below the ripple of a pump that hunts by 3 %.
         let (h, n) = (5e-4, 3000);
         let mut alarms = 0;
         for seed in 0..60 {

@@ -1,5 +1,5 @@
-//! The anatomy of what a model leaves: how much of its squares each class of dependence would take on data that were not
-//! learned from, each class alone; and the class that takes most as a correction without a name.
+//! The anatomy of a model's residual: the fraction of its squares that each class of dependence alone would explain on
+//! data not used to learn it; and the class that explains most as an unnamed correction.
 
 mod clock;
 mod columns;
@@ -19,13 +19,13 @@ use columns::{columns, odd_part};
 use nalgebra::DVector;
 use plant::Channel;
 
-/// Ridge, as a share of a column's mean square times the samples.
+/// Ridge, as a fraction of a column's mean square times the samples.
 const RIDGE: f64 = 1e-4;
-/// A class that takes less on held-out data is not worth a line.
+/// A class that explains less of the held-out data is not worth a line.
 const LEAST: f64 = 0.02;
-/// Blocks of time of which every second one is learned from, to judge what depends on time alone.
+/// Number of blocks of time, every second of which is learned from, to judge a dependence on time alone.
 const BLOCKS: usize = 40;
-/// A correction without a name must take this share of the squares on held-out data.
+/// Fraction of the held-out squares that an unnamed correction must explain.
 const CORRECTS: f64 = 0.15;
 
 const CLASSES: [DependsOn; 7] = [
@@ -39,7 +39,7 @@ const CLASSES: [DependsOn; 7] = [
 ];
 
 impl Correction {
-    /// Whether its numbers are finite and in order.
+    /// Checks that its numbers are finite and in order.
     pub(crate) fn check(&self, channel: &str) -> Result<(), Refusal> {
         let r = &self.range;
         let ends = [r.x_mm, r.v_mm_per_s];
@@ -55,7 +55,7 @@ impl Correction {
         )))
     }
 
-    /// What it adds to the answer of a record.
+    /// Its contribution to the response to a record.
     pub fn answer(&self, moves: &Moves) -> Vec<f64> {
         let mut sum = vec![0.0; moves.x.len()];
         let columns = columns(self.depends_on, moves, &self.range);
@@ -71,7 +71,7 @@ impl Correction {
     }
 }
 
-/// Records without what the model already corrects without a name.
+/// Records without the model's existing unnamed corrections.
 pub fn taken_off(model: &Model, records: &[Recording]) -> Vec<Recording> {
     let [actuator, specimen] = [Channel::Actuator, Channel::Specimen]
         .map(|channel| model.channel(channel).and_then(|own| own.remainder));
@@ -101,7 +101,7 @@ pub fn taken_off(model: &Model, records: &[Recording]) -> Vec<Recording> {
         .collect()
 }
 
-/// The rms that is left with a correction.
+/// Rms residual with a correction.
 pub fn rms_with(correction: &Correction, records: &[Moves]) -> f64 {
     let left = records.iter().map(|m| {
         let mut rest = m.rest.clone();
@@ -111,7 +111,7 @@ pub fn rms_with(correction: &Correction, records: &[Moves]) -> f64 {
     rms(&left.collect::<Vec<_>>())
 }
 
-/// Strengths of a class that fit the rests of records best; `None` where it has no columns.
+/// Strengths of a class that fit the residuals of records best; `None` if it has no columns.
 fn learn(class: DependsOn, records: &[Moves], range: &Range) -> Option<Vec<f64>> {
     let all = stacked(records.iter().map(|m| columns(class, m, range)));
     let rest: Vec<f64> = records.iter().flat_map(|m| m.rest.clone()).collect();
@@ -129,12 +129,12 @@ fn learn(class: DependsOn, records: &[Moves], range: &Range) -> Option<Vec<f64>>
     Some(weights.iter().copied().collect())
 }
 
-/// Squares of the rests.
+/// Squares of the residuals.
 fn square(records: &[Moves]) -> f64 {
     records.iter().map(|m| dot(&m.rest, &m.rest)).sum()
 }
 
-/// The share of the rests' squares that strengths take, 0 where they add to them.
+/// Fraction of the residuals' squares that strengths explain, 0 if they add to them.
 fn share(class: DependsOn, weights: &[f64], records: &[Moves], range: &Range) -> f64 {
     let left: f64 = records
         .iter()
@@ -147,7 +147,7 @@ fn share(class: DependsOn, weights: &[f64], records: &[Moves], range: &Range) ->
     (1.0 - left / square(records).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// The anatomy of the rests of held-out records, learned from the training records.
+/// The anatomy of held-out residuals, learned from the training records.
 pub fn anatomy(train: &[Moves], test: &[Moves]) -> Remainder {
     let range = Range::of(train);
     let samples: usize = test.iter().map(|m| m.rest.len()).sum();
@@ -160,7 +160,7 @@ pub fn anatomy(train: &[Moves], test: &[Moves]) -> Remainder {
             let even_weights = difference(&weights, &odd_weights);
             let odd = share(class, &odd_weights, test, &range);
             let even = share(class, &even_weights, test, &range);
-            // The two parts of one share.
+            // The two parts of one fraction.
             let parts = (odd + even).max(f64::MIN_POSITIVE);
             Some(Share {
                 depends_on: class,
@@ -188,8 +188,8 @@ pub fn anatomy(train: &[Moves], test: &[Moves]) -> Remainder {
     }
 }
 
-/// What depends on time cannot be carried over to another time: learned from every second block of the training data, judged on
-/// the others.
+/// A dependence on time cannot be transferred to another time: it is learned from every second block of the training
+/// data and judged on the others.
 fn of_time(train: &[Moves]) -> Option<f64> {
     let range = Range::of(train);
     let (mut learned, mut judged) = (Vec::new(), Vec::new());
@@ -206,7 +206,7 @@ fn of_time(train: &[Moves]) -> Option<f64> {
         learned.push(half(0));
         judged.push((half(1), block));
     }
-    // Only half of the samples are there: the strengths are half of what they are.
+    // Only half of the samples are present: the strengths are half of their true values.
     let weights: Vec<f64> = learn(DependsOn::Time, &learned, &range)?
         .iter()
         .map(|w| 2.0 * w)
@@ -226,7 +226,7 @@ fn of_time(train: &[Moves]) -> Option<f64> {
     Some((1.0 - after / before.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
 }
 
-/// The class that takes most of the held-out squares, as a correction; `None` where none takes enough.
+/// The class that explains most of the held-out squares, as a correction; `None` if none explains enough.
 pub fn correction(train: &[Moves], found: &Remainder) -> Option<Correction> {
     let usable =
         |s: &&Share| s.depends_on != DependsOn::Time && s.depends_on != DependsOn::OtherChannel;
@@ -252,10 +252,10 @@ mod tests {
 
     const H: f64 = 2e-3;
 
-    /// A rest from displacements and speeds.
+    /// A residual as a function of displacements and speeds.
     type Dependence<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
 
-    /// A record of several tones whose rest is `depends(x, v, t)` with a tenth of noise.
+    /// A record of several tones whose residual is `depends(x, v, t)` with a tenth of noise.
     fn record(seed: u64, depends: Dependence) -> Moves {
         let n = 10_000;
         let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed);

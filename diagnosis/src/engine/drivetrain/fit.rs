@@ -1,4 +1,4 @@
-//! A signal path fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
+//! Least-squares fit of a signal path to records, by simulated displacement, and its performance on left-out data.
 
 use crate::criteria::REACH;
 use crate::engine::score::{BLOCKS, edges};
@@ -13,25 +13,25 @@ use nalgebra::DVector;
 pub const DECLARED: usize = 4;
 /// Delay and lag.
 const TIMING: [usize; 2] = [1, 2];
-/// Linear steps of a fit at most.
+/// Largest number of linear steps of a fit.
 const STEPS: usize = 10;
-/// A fall of the squares that is not worth another step, as a share.
+/// Relative decrease of the squares that is not worth another step.
 const SETTLED: f64 = 1e-3;
-/// Delays and lags that move are no longer than these, s, and no longer than a fifth of the record.
+/// Longest free delay or lag, s; at most a fifth of the record.
 const LONGEST_S: f64 = 0.5;
 
-/// Records and what is declared of them.
+/// Records, with their declared model.
 #[derive(Debug)]
 pub struct ActuatorData<'a> {
     pub runs: Vec<Run>,
     pub interval_s: f64,
     pub sizes: ActuatorScales,
     pub base: &'a Base,
-    /// Block of each sample, segment after segment.
+    /// First sample of each block, and the end, over all segments.
     edges: Vec<usize>,
     /// Measured displacement, segment after segment.
     pub target: Vec<f64>,
-    /// Those of its samples that nobody measured.
+    /// Its unmeasured samples.
     unmeasured: Vec<usize>,
 }
 
@@ -43,7 +43,7 @@ pub struct PartSet {
 }
 
 impl PartSet {
-    /// Nothing but the declared parameters, within their tolerances.
+    /// Only the declared parameters, within their tolerances.
     pub const fn held() -> Self {
         Self {
             parts: Vec::new(),
@@ -51,12 +51,12 @@ impl PartSet {
         }
     }
 
-    /// Parts, and parameters that may leave their tolerances.
+    /// Number of parts, and of parameters that may leave their tolerances.
     pub fn size(&self) -> usize {
         self.parts.len() + self.moved.iter().filter(|m| **m).count()
     }
 
-    /// The same with one thing less of what a path of a higher order looks like: a second lag, an oil column, another delay or lag.
+    /// The models with one higher-order feature less: a second lag, an oil column, a freed delay or lag.
     pub fn without_each_of_order(&self) -> Vec<Self> {
         let mut all = Vec::new();
         for i in 0..self.parts.len() {
@@ -77,7 +77,7 @@ impl PartSet {
     }
 }
 
-/// A model at its best.
+/// A fitted model.
 #[derive(Clone, Debug)]
 pub struct ActuatorFit {
     pub model: PartSet,
@@ -85,15 +85,15 @@ pub struct ActuatorFit {
     pub declared: [f64; DECLARED],
     /// One for each part with an amplitude, in their order.
     pub amplitudes: Vec<f64>,
-    /// Sum of the squares that are left.
+    /// Residual sum of squares.
     pub cost: f64,
-    /// Measured less modelled.
+    /// Measured minus modelled.
     pub residual: Vec<f64>,
-    /// How the answer changes with everything that is not at a bound.
+    /// Change of the response with everything that is not at a bound.
     pub slopes: Vec<Vec<f64>>,
 }
 
-/// Where a fit stands: what it moves.
+/// The present values of what a fit moves.
 #[derive(Clone, Debug)]
 struct Place {
     declared: [f64; DECLARED],
@@ -110,7 +110,7 @@ impl Place {
         }
     }
 
-    /// A step on: declared parameters, amplitudes, shapes.
+    /// After a step of declared parameters, amplitudes and shapes.
     fn moved_by(&self, step: &DVector<f64>) -> Self {
         let mut next = self.clone();
         let unknowns = next.declared.iter_mut().chain(&mut next.amplitudes);
@@ -175,12 +175,12 @@ impl<'a> ActuatorData<'a> {
         }
     }
 
-    /// Whether there is a force to give way to.
+    /// True if all records have a force, to which the rig may give way.
     pub fn has_force(&self) -> bool {
         self.runs.iter().all(|r| !r.force.is_empty())
     }
 
-    /// All columns, segment after segment: the answer at gain 1, one for each amplitude.
+    /// All columns, segment by segment: the response at gain 1, then one per amplitude.
     fn columns(&self, path: &SignalPath) -> Vec<Vec<f64>> {
         stacked(
             self.runs
@@ -189,7 +189,7 @@ impl<'a> ActuatorData<'a> {
         )
     }
 
-    /// Between which values a declared parameter may be, in its unit here (s, mm).
+    /// Bounds of a declared parameter, in its unit here (s, mm).
     fn bound(&self, which: usize, moved: bool) -> [f64; 2] {
         let unit = if matches!(which, 1 | 2) { 1e-3 } else { 1.0 };
         let value = self.base.values[which] * unit;
@@ -218,7 +218,7 @@ impl<'a> ActuatorData<'a> {
         [v[0], 1e-3 * v[1], 1e-3 * v[2], v[3]]
     }
 
-    /// How many samples each block has.
+    /// Number of samples of each block.
     pub fn block_samples(&self) -> [f64; BLOCKS] {
         std::array::from_fn(|b| (self.edges[b + 1] - self.edges[b]) as f64)
     }
@@ -231,7 +231,7 @@ impl<'a> ActuatorData<'a> {
         })
     }
 
-    /// A signal path as it stands in a fit.
+    /// The signal path of a fit.
     pub fn path(&self, fit: &ActuatorFit) -> SignalPath {
         SignalPath {
             delay_s: fit.declared[1],
@@ -240,7 +240,7 @@ impl<'a> ActuatorData<'a> {
         }
     }
 
-    /// What parts at these values make of the answer, less what the fit makes of it: the column of a step towards them.
+    /// Change of a fit's response if a part is added: the column of a step towards it.
     pub fn change(&self, fit: &ActuatorFit, more: Part) -> Vec<f64> {
         let mut path = self.path(fit);
         path.parts.push(more);
@@ -272,14 +272,14 @@ impl<'a> ActuatorData<'a> {
         y
     }
 
-    /// Measured less modelled; 0 where nobody measured.
+    /// Measured minus modelled; 0 where nothing was measured.
     fn left(&self, modelled: &[f64]) -> Vec<f64> {
         let mut left = difference(&self.target, modelled);
         clear(&mut left, &self.unmeasured);
         left
     }
 
-    /// What a fit leaves of these records, which may be others than it was made with.
+    /// Residual of a fit on these records, which may differ from those that it was fitted to.
     pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
         let y = self.combined(
             &self.columns(&self.path(fit)),
@@ -289,7 +289,7 @@ impl<'a> ActuatorData<'a> {
         self.left(&y)
     }
 
-    /// A residual of all records, record by record.
+    /// Splits a residual of all records by record.
     pub fn by_record(&self, residual: &[f64]) -> Vec<Vec<f64>> {
         let mut from = 0;
         let part = |run: &Run| {
@@ -299,7 +299,7 @@ impl<'a> ActuatorData<'a> {
         self.runs.iter().map(part).collect()
     }
 
-    /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
+    /// Fits the model from `start`, which may have fewer parts; `None` if the equations have no solution.
     pub fn fit(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorFit> {
         let within = |i: usize| {
             let [low, high] = self.bound(i, model.moved[i]);
@@ -353,7 +353,7 @@ impl<'a> ActuatorData<'a> {
         last.filter(|f| f.cost.is_finite())
     }
 
-    /// The model there, of these columns, with how its answer changes from there on.
+    /// The model at these values and columns, with its slopes there.
     fn linearized(&self, model: &PartSet, at: &Place, columns: &[Vec<f64>]) -> ActuatorFit {
         let path = at.path();
         let y = self.combined(columns, &at.declared, &at.amplitudes);
@@ -371,7 +371,7 @@ impl<'a> ActuatorData<'a> {
         }
     }
 
-    /// How far each unknown may go from there.
+    /// Range of each unknown from its present value.
     fn room(&self, model: &PartSet, at: &Place) -> Vec<Bound> {
         let declared = (0..DECLARED).map(|i| {
             let [low, high] = self.bound(i, model.moved[i]);
@@ -392,7 +392,7 @@ impl<'a> ActuatorData<'a> {
         let shapes = at.parts.iter().flat_map(|p| {
             (0..p.kind.shapes()).map(|i| {
                 let [low, high] = p.kind.bounds(i, &self.sizes);
-                // Not all the way at once: a shape acts other than in proportion.
+                // Not all the way at once: the response to a shape is nonlinear.
                 let least = 0.02 * (high - low).min(self.sizes.x_mm);
                 let step = 0.5 * p.shapes[i].abs().max(least);
                 step_within([low, high], p.shapes[i], step)
@@ -401,7 +401,7 @@ impl<'a> ActuatorData<'a> {
         declared.chain(amplitudes).chain(shapes).collect()
     }
 
-    /// How the answer changes with declared parameters, amplitudes and shapes.
+    /// Change of the response with declared parameters, amplitudes and shapes.
     fn slopes(
         &self,
         path: &SignalPath,
@@ -438,7 +438,7 @@ impl<'a> ActuatorData<'a> {
         slopes
     }
 
-    /// Squares on each block of the fit as it would be without that block, to first order; what stands at a bound stays.
+    /// Squares on each block for the fit without that block, to first order; parameters at a bound stay there.
     pub fn cross_validated(&self, fit: &ActuatorFit) -> Option<[f64; BLOCKS]> {
         let columns = self.free_slopes(fit);
         if columns.is_empty() {
@@ -453,7 +453,7 @@ impl<'a> ActuatorData<'a> {
             for i in 0..matrix.nrows() {
                 matrix[(i, i)] += 1e-9 * whole[(i, i)];
             }
-            // Without the block the sum of slopes times residuals is less by the block's.
+            // Without the block, the sum of slopes times residuals lacks the block's part.
             let mut left = fit.residual[from..end].to_vec();
             Factor::of(matrix)?.add_regression(&part, &mut left, 1.0);
             *out = dot(&left, &left);
@@ -461,7 +461,7 @@ impl<'a> ActuatorData<'a> {
         Some(out)
     }
 
-    /// The slopes of what may move: not at a bound, and not held at one value.
+    /// Slopes of the free quantities: those neither at a bound nor held at one value.
     pub fn free_slopes(&self, fit: &ActuatorFit) -> Vec<Vec<f64>> {
         let inside = |value: f64, [low, high]: [f64; 2]| {
             let room = 1e-9 * (high - low).clamp(0.0, 1e6);
@@ -488,8 +488,8 @@ impl<'a> ActuatorData<'a> {
     }
 }
 
-/// How far a shape may go in one step towards its bounds or within them: a search begins beyond them where a record is slower
-/// than any that it knows.
+/// Range of a step of a shape towards its bounds or within them: a search starts outside if a record is slower than its
+/// grid covers.
 fn step_within(bounds: [f64; 2], shape: f64, most: f64) -> Bound {
     let [low, high] = bounds.map(|edge| (edge - shape).clamp(-most, most));
     Bound {
@@ -510,7 +510,7 @@ mod tests {
         };
         assert_eq!(reach(0.25, 1.0), [-0.15, 0.25]);
         assert_eq!(reach(0.25, 0.125), [-0.125, 0.125]);
-        // From far beyond them it comes back step by step.
+        // From far outside it returns step by step.
         assert_eq!(reach(1.12, 0.25), [-0.25, -0.25]);
         assert_eq!(reach(-1.0, 0.25), [0.25, 0.25]);
         let inverted = step_within([0.5, 0.1], 0.3, 1.0);

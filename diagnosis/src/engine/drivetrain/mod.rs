@@ -1,5 +1,5 @@
-//! A path from command to displacement as the engine fits it: its [`fit`] (least squares, and the data left out block by block), and how
-//! it is [`save`]d.
+//! A path from command to displacement in the engine: its [`fit`] (least squares, and cross-validation by block), and
+//! how it is [`save`]d.
 
 mod fit;
 mod save;
@@ -15,7 +15,7 @@ use crate::record::recording::Recording;
 use crate::record::spectrum;
 use crate::record::spectrum::motion_band_hz;
 
-/// So many samples of records are averaged for a search.
+/// Number of samples averaged into one for a search.
 pub fn thinning(whole: &ActuatorData, train: &[Recording]) -> usize {
     let band = train
         .iter()
@@ -30,7 +30,7 @@ pub fn thinning(whole: &ActuatorData, train: &[Recording]) -> usize {
         .max(1)
 }
 
-/// Records without what effects that the model has from before make of the declared path's answer.
+/// Records without the contribution of effects that the model already has to the declared path's response.
 pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
     if base.known.is_empty() {
         return Some(records.to_vec());
@@ -55,7 +55,7 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
     records.iter().map(without).collect()
 }
 
-/// Records as the search sees them, averaged over `every` samples.
+/// Records as used by the search, averaged over `every` samples.
 pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<ActuatorData<'a>> {
     let interval_s = records.first()?.interval_s();
     let settling_s = base.settling_s();
@@ -66,8 +66,8 @@ pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<A
 fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     let h = record.interval_s();
     let (joined, lead) = record.with_run_up(|r| r.command_mm.as_ref());
-    // No more of a run-up than the record is long. One that was made up is not quite what happened: it serves what has a
-    // memory until the motion turns, and the record's first moments, which settle the rest, are not judged.
+    // A run-up is no longer than the record. If it was made up it is only approximate: it serves parts with memory
+    // until the motion turns, and the record's first moments, which settle the rest, are not judged.
     let kept = lead.min(record.time_s.len());
     let from = lead - kept;
     let settling = (settling_s / h).min(MOST_SETTLING * record.time_s.len() as f64) as usize;
@@ -75,7 +75,7 @@ fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
         Some(_) => settling.saturating_sub(kept),
         None => settling,
     };
-    // Whole averages.
+    // Whole averages only.
     let skipped = (kept + short).next_multiple_of(every) - kept;
     let mean = |x: &[f64]| crate::numbers::signals::averaged(x, every);
     let cutoff_hz = 4.0 * motion_band_hz(record.displacement_mm.as_ref()?, h).unwrap_or(10.0);

@@ -1,4 +1,4 @@
-//! What was found, as figures with their scatter and as a part of a model.
+//! Results as figures with their scatter, and as part of a model.
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED};
 use crate::laws::drivetrain::part::{Part, PartKind};
@@ -9,10 +9,10 @@ use plant::{Channel, Effect, EffectSpec};
 /// A parameter by the catalogue: name, unit, value, standard deviation.
 pub type Figure = (&'static str, &'static str, f64, f64);
 
-/// Segments whose pulls tell the scatter of what was fitted: of what is correlated for long, the fewer see more.
+/// Numbers of segments whose pulls give the scatter of a fit: fewer segments capture longer correlations.
 const SEGMENTS: [usize; 3] = [12, 24, 48];
 
-/// The declared unit of a parameter in the unit here, where times are in s.
+/// Factor from a parameter's declared unit to the unit here, where times are in s.
 fn unit(which: usize) -> f64 {
     match Channel::Actuator.parameters()[which].unit {
         "ms" => 1e-3,
@@ -21,7 +21,7 @@ fn unit(which: usize) -> f64 {
 }
 
 impl ActuatorData<'_> {
-    /// Standard deviation of declared parameters, amplitudes and shapes, from how far segments of the record pull the
+    /// Standard deviations of declared parameters, amplitudes and shapes, from how far segments of the record pull the
     /// fit apart.
     pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
         let mut widest = vec![0.0_f64; fit.slopes.len()];
@@ -34,13 +34,13 @@ impl ActuatorData<'_> {
         widest
     }
 
-    /// The parameters of a name in a fit; `spread` is of this fit.
+    /// The parameters of a name in a fit, whose `spread` is given.
     pub fn figures(&self, fit: &ActuatorFit, name: Effect, spread: &[f64]) -> Vec<Figure> {
         if let Some(i) = Channel::Actuator.parameter_of_error(name) {
             let p = &Channel::Actuator.parameters()[i];
             let had = self.base.values[i];
             let error = p.error(fit.declared[i] / unit(i), had);
-            // What it should be is known to its tolerance.
+            // The true value is only known to its tolerance.
             let known = self.base.tolerance(i);
             let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
             return vec![(p.error_parameter, p.error_unit(), error, scatter)];
@@ -71,8 +71,8 @@ impl ActuatorData<'_> {
         out
     }
 
-    /// Puts a fit into the actuator's model: its declared parameters with the tolerance that they had, at least their
-    /// scatter, and its parts as effects.
+    /// Writes a fit into the actuator's model: declared parameters with their previous tolerances, but at least their
+    /// scatter, and parts as effects.
     pub fn save(&self, fit: &ActuatorFit, spread: &[f64], model: &mut Model) {
         let Some((places, effects)) = model.channel_mut(Channel::Actuator) else {
             return;
@@ -107,7 +107,7 @@ impl ActuatorData<'_> {
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
                 PartKind::Load | PartKind::Sag => continue,
                 PartKind::Play => vec![("width_mm", width)],
-                // Behind gain and offset, as a model file has them.
+                // After gain and offset, as in a model file.
                 PartKind::DeadBand => {
                     vec![("width_mm", width), ("middle_mm", b * gain + offset)]
                 }
@@ -129,7 +129,7 @@ impl ActuatorData<'_> {
                     ("valve_lag_ms", lag_ms),
                 ],
                 PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
-                // The library's half of it is the gain's; no lag of the way back beside it.
+                // The library counts half of it in the gain, and has no separate lag for the return.
                 PartKind::SideGain => vec![("difference", strength() / gain)],
                 PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
                 PartKind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
@@ -139,7 +139,7 @@ impl ActuatorData<'_> {
     }
 }
 
-/// The figures of a part: of its strength and shapes with how far each is scattered, behind a gain and a lag, s.
+/// The figures of a part: from its strength and shapes with their scatter, after a gain and a lag, s.
 fn part_figures(
     part: &Part,
     [strength, ss]: [f64; 2],

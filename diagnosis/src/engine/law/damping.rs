@@ -1,4 +1,4 @@
-//! Forces of the speed, and springs behind dashpots.
+//! Forces that depend on speed, and springs in series with dashpots.
 
 use crate::engine::row::{Row, Sizes, over};
 use crate::laws::specimen::element::Law;

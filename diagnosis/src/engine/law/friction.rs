@@ -1,4 +1,4 @@
-//! Friction: the same force whichever speed, more at rest, with the place, with the way.
+//! Friction: independent of speed, higher at rest, varying with position, varying with travel.
 
 use crate::engine::row::{Row, Sizes, over};
 use crate::laws::specimen::element::Law;

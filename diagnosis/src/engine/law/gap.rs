@@ -7,7 +7,7 @@ use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let (x, c) = (sizes.motion.x, sizes.motion.middle);
-    // Clearances are about zero where the motion goes through it.
+    // Clearances are around zero if the motion passes through it.
     let [centre, reach] = sizes.motion.both_sides();
     let mut all = vec![
         Row::element(
@@ -24,13 +24,13 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let sides = [-0.75, -0.4, 0.0, 0.4, 0.75]
         .iter()
         .flat_map(|place| [-1.0, 1.0].map(|side| [c + place * x, side, 0.0, 0.0]));
-    // A bumper damps, too: it pushes and never pulls.
+    // A bumper also has damping: it pushes and never pulls.
     let damped = sides
         .clone()
         .map(|[p, side, ..]| [p, side, 0.0, 0.3 * x / sizes.motion.v]);
     all.push(Row::element(Law::Beyond, 3.5, damped));
     all.push(Row::element(Law::Beyond, 3.0, sides));
-    // A joint in a part of the structure: the rest of the spring stays as it is.
+    // A joint in a part of the structure: the rest of the spring is unchanged.
     let joints = [0.05, 0.12, 0.3]
         .iter()
         .flat_map(|slip| [0.15, 0.3, 0.55, 0.85].map(|gap| [slip * x, gap * x, 0.0, 0.0]));

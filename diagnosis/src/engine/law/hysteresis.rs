@@ -1,4 +1,4 @@
-//! Hysteresis: the force depends on the way since the last reversals. Beside a free strength the spring may be another one.
+//! Hysteresis: the force depends on the travel since the last reversals. With a free strength the spring may differ.
 
 use crate::engine::row::{Row, Sizes, over};
 use crate::laws::specimen::element::Law;
@@ -8,7 +8,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let m = &sizes.motion;
     let (x, v, c) = (m.x, m.v, m.middle);
     let mut all = vec![
-        // Two rows: a device may yield at two levels.
+        // Two rows, since a device may yield at two levels.
         Row::element(Law::Slider, 2.8, over([0.06, 0.1, 0.16], x)),
         Row::element(Law::Slider, 2.8, over([0.27, 0.42, 0.6, 0.75, 0.9], x)),
         Row::element(Law::Distributed, 3.2, over([0.06, 0.15, 0.3, 0.6], x)),
@@ -19,7 +19,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         .flat_map(|y| [1.0, 2.0].map(|n| (y, n)))
         .flat_map(|(y, n)| [-0.5, 0.0, 0.6].map(|unload| [y * x, n, 1.0, unload]));
     all.push(Row::element(Law::BoucWen, 2.6, wen));
-    // In their own rates: these grow on the way out, or hardly yield.
+    // With rates of their own: these stiffen on the way out, or hardly yield.
     let growing = [-0.8, -0.4, -0.15, 0.0, 0.3]
         .iter()
         .flat_map(|load| [0.4, 1.0, 2.0, 4.0].map(|unload| [x, 1.0, *load, unload]));
@@ -43,7 +43,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     all.push(Row::element(Law::Recentring, 3.0, flags));
     let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();
     all.extend(own);
-    // Shares of the declared spring.
+    // Fractions of the declared spring.
     all.extend(Row::effect(Effect::BilinearHysteresis, 2.6, sizes, &[10]));
     all.extend(Row::effect(Effect::BoucWenHysteresis, 2.6, sizes, &[6, 4]));
     all

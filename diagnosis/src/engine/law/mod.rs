@@ -1,7 +1,7 @@
-//! The one table of what a specimen's channel may have beside its declared parameters: one row a law, one file a family.
+//! The only table of what a specimen may have besides its declared parameters: a row per law, a file per family.
 //!
-//! A row says what the law is computed by, over which shapes the search looks, and what it costs, in nats: how rarely such a cause
-//! is met, and a little for each number that it brings. Several rows may have one name: the name is read off the shape at the end.
+//! A row gives the law's equation, the shapes to search, and its price in nats: how rare such a cause is, and a little
+//! for each additional number. Several rows may share a name: the name is read from the final shape.
 
 mod damping;
 mod friction;
@@ -13,8 +13,8 @@ mod spring;
 use super::row::{Form, Row, Sizes};
 use crate::laws::specimen::element::Law;
 
-/// Every law for a motion of these sizes. What depends on time alone is asked about only where records have a rest. `dashpot`: one is
-/// declared, and none is outside its tolerances.
+/// All laws for a motion of these sizes. Laws of time alone are included only if the records have a rest. `dashpot`:
+/// one is declared, and none is outside its tolerances.
 pub fn table(sizes: &Sizes, rests: bool, dashpot: bool) -> Vec<Row> {
     let mut all = friction::rows(sizes);
     all.extend(hysteresis::rows(sizes));
@@ -32,8 +32,8 @@ pub fn table(sizes: &Sizes, rests: bool, dashpot: bool) -> Vec<Row> {
             row.grid.retain(|shape| kept.is_sound(*shape, sizes));
         }
     }
-    // At one speed a force that builds up in time is friction that builds up along the way, and that is commoner; but not where it
-    // takes the place of a dashpot that is declared.
+    // At one speed, a force that builds up in time cannot be told from friction that builds up along the travel, which
+    // is more common; but it remains if it replaces a declared dashpot.
     let takes_time = |r: &Row| {
         matches!(r.form, Form::Element(Law::Relaxing | Law::InSeries))
             && !(dashpot && r.frees == Some(1))

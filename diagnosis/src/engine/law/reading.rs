@@ -1,4 +1,4 @@
-//! What the readings do: a calibration, a zero, a clock, a line, a limit; and the mass on the load cell.
+//! Effects of the readings: a calibration, a zero, a clock, a spectral line, a limit; and the mass on the load cell.
 
 use crate::engine::row::{Row, Sizes};
 use crate::laws::library::ROUNDED_LIMIT;

@@ -1,4 +1,4 @@
-//! Springs that stiffen, soften, differ by side, or lose stiffness for good.
+//! Springs that stiffen, soften, differ between the sides, or lose stiffness for good.
 
 use crate::engine::row::{Row, Sizes, over};
 use crate::laws::specimen::element::Law;

@@ -1,4 +1,4 @@
-//! What is between command and displacement: a [`signal_path`] of [`part`]s, simulated.
+//! The path between command and displacement: a simulated [`signal_path`] of [`part`]s.
 
 pub mod part;
 pub mod signal_path;

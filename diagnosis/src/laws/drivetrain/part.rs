@@ -1,62 +1,62 @@
-//! What may stand between a command and a displacement besides a delay and a lag.
+//! Parts that may act between command and displacement besides a delay and a lag.
 
 use plant::Effect;
 
 /// A part of the signal path from command to displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PartKind {
-    /// A second first-order lag behind the first: its time constant, s.
+    /// A second first-order lag after the first: its time constant, s.
     SecondLag,
     /// The spring of the oil under the mass: natural frequency, Hz, and damping ratio.
     OilColumn,
     /// A cylinder of unequal areas: the flow is e + b e^2 of the valve's opening e; b, 1/mm.
     UnequalAreas,
-    /// A single rod: the flow pushes the piston by 1 + r times and pulls it by 1 - r times what it is in the mean; r.
+    /// A single rod: the flow drives the piston at 1 + r times its mean speed one way and 1 - r times the other; r.
     TwoSpeeds,
-    /// A valve that overlaps: no flow up to an opening of so many mm.
+    /// An overlapped valve: no flow up to this opening, mm.
     Overlap,
     /// A flow that saturates smoothly, e0 tanh(e / e0): e0, mm.
     FlowLimit,
     /// A largest speed, mm/s.
     RateLimit,
-    /// The root of the pressure that a spring behind the piston leaves to the flow: its force a mm, over that which stalls the piston.
-    /// Any ram with a specimen has it, so that it has no name.
+    /// Square root of the pressure that a spring behind the piston leaves to the flow: its force per mm, over that
+    /// which stalls the piston. Any ram with a specimen has it, so it has no name.
     Load,
-    /// A supply that sags: the share of its pressure that a mean speed of 1 mm/s takes from the flow, s/mm, and the time after which the
-    /// accumulator has caught up, s. No sound ram has it, and the catalogue has no name for it.
+    /// A sagging supply: the fraction of its pressure that a mean speed of 1 mm/s takes from the flow, s/mm, and the
+    /// time in which the accumulator recovers, s. A sound ram does not have it, and the catalogue has no name for it.
     Sag,
-    /// Play behind the drive: its width, mm.
+    /// Play after the drive: its width, mm.
     Play,
-    /// No answer to commands within a band: its width and its middle, mm.
+    /// No response to commands within a band: its width and its middle, mm.
     DeadBand,
     /// Stops of the displacement: the lower and the upper, mm.
     Stops,
-    /// Dry friction in the drive that gives elastically over so many mm; its strength is an amplitude.
+    /// Dry friction in the drive with an elastic give, mm; its strength is an amplitude.
     Friction,
-    /// Friction of the piston's seals against the spring of the oil, inside the position loop: how far it bends the oil
-    /// and the give of the seals, mm.
+    /// Friction of the piston's seals against the spring of the oil, inside the position loop: the compression of the
+    /// oil and the give of the seals, mm.
     Seal,
-    /// The same where the friction falls with speed: bend and give, mm, level at rest over that in motion, speed at which
-    /// it falls, mm/s.
+    /// The same for friction that falls with speed: compression and give, mm, level at rest over that in motion, speed
+    /// at which it falls, mm/s.
     StickySeal,
-    /// The rig gives way to the load: an amplitude.
+    /// The rig yields under load: an amplitude.
     Compliance,
-    /// Another gain on one side than on the other: an amplitude.
+    /// Different gains on the two sides: an amplitude.
     SideGain,
-    /// A zero that wanders off: its time constant, s; an amplitude.
+    /// A drifting zero: its time constant, s; an amplitude.
     Drift,
-    /// A gain that wanders off: its time constant, s; an amplitude.
+    /// A drifting gain: its time constant, s; an amplitude.
     GainDrift,
 }
 
-/// Sizes of the records that shapes are measured by.
+/// Sizes of the records, the reference for shapes.
 #[derive(Clone, Copy, Debug)]
 pub struct ActuatorScales {
     /// Largest displacement from the middle, mm.
     pub x_mm: f64,
     /// Largest speed, mm/s.
     pub speed_mm_per_s: f64,
-    /// Largest valve opening, mm: what the answer is behind its command.
+    /// Largest valve opening, mm: the lag of the response behind its command.
     pub opening_mm: f64,
     /// Sampling interval, s.
     pub interval_s: f64,
@@ -90,7 +90,7 @@ impl PartKind {
         Self::GainDrift,
     ];
 
-    /// The name of the catalogue; none of what any sound ram has, and of a supply that sags.
+    /// Its name in the catalogue; none for what any sound ram has, and for a sagging supply.
     pub const fn effect(self) -> Option<Effect> {
         Some(match self {
             Self::Load | Self::Sag => return None,
@@ -109,8 +109,8 @@ impl PartKind {
         })
     }
 
-    /// The declared parameter that it may take out of its tolerance with it, without a name for that: a piston that goes faster one way
-    /// than the other is off its zero in the mean.
+    /// The declared parameter that it may free from its tolerance, without a name for that: a piston that moves faster
+    /// one way than the other has a mean offset.
     pub const fn takes_along(self) -> Option<usize> {
         match self {
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Some(3),
@@ -118,7 +118,7 @@ impl PartKind {
         }
     }
 
-    /// Whether one of the two can stand in for the other: they are not put into one model.
+    /// True if either can replace the other: they are not put into one model.
     pub fn is_like(self, other: Self) -> bool {
         let group = |k: Self| match k {
             Self::Play | Self::Friction | Self::Seal | Self::StickySeal => 0,
@@ -132,17 +132,17 @@ impl PartKind {
             Self::Load => 8,
             Self::Sag => 9,
         };
-        // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
+        // Play after the drive and friction that compresses the oil inside the loop may occur together.
         let beside = |a, b| a == Self::Play && matches!(b, Self::Seal | Self::StickySeal);
         group(self) == group(other) && !beside(self, other) && !beside(other, self)
     }
 
-    /// Whether it makes a linear path of a higher order.
+    /// True if it makes a linear path of a higher order.
     pub const fn is_order(self) -> bool {
         matches!(self, Self::SecondLag | Self::OilColumn)
     }
 
-    /// Whether it adds a column with an amplitude of its own, else it acts inside the signal path.
+    /// True if it adds a column with its own amplitude; otherwise it acts inside the signal path.
     pub const fn is_column(self) -> bool {
         matches!(
             self,
@@ -150,12 +150,12 @@ impl PartKind {
         )
     }
 
-    /// Whether its amplitude cannot be negative.
+    /// True if its amplitude cannot be negative.
     pub const fn is_positive(self) -> bool {
         matches!(self, Self::Friction | Self::Compliance)
     }
 
-    /// Whether it acts on the flow of the valve or on the oil, inside the first lag.
+    /// True if it acts on the valve's flow or on the oil, inside the first lag.
     pub const fn is_inside(self) -> bool {
         matches!(
             self,
@@ -171,7 +171,7 @@ impl PartKind {
         )
     }
 
-    /// What it costs, nats: how rarely it is met, and a little for each number.
+    /// Its price, nats: how rare it is, and a little for each number.
     pub const fn price(self) -> f64 {
         match self {
             Self::OilColumn
@@ -187,7 +187,7 @@ impl PartKind {
         }
     }
 
-    /// Values that its first shape is looked at with; those in between are found by descent.
+    /// Grid of its first shape; values in between are found by descent.
     pub fn grid(self, s: &ActuatorScales) -> Vec<Shapes> {
         let spread = |low: f64, high: f64, n: usize| -> Vec<Shapes> {
             let at = |i: usize| low * (high / low).powf(i as f64 / (n - 1) as f64);
@@ -208,7 +208,7 @@ impl PartKind {
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
             Self::Load => [0.05, 0.2].map(|l| shapes([l / s.x_mm])).to_vec(),
             Self::Sag => vec![shapes([0.1 / s.speed_mm_per_s, 0.3])],
-            // The reading's own size is what they leave of the motion: they may be wider than that.
+            // The reading only shows the motion that they leave: they may be wider than that.
             Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
             Self::Stops => {
                 let [low, high] = s.ends_mm;
@@ -235,7 +235,7 @@ impl PartKind {
         }
     }
 
-    /// How many of the shapes there are.
+    /// Number of its shapes.
     pub const fn shapes(self) -> usize {
         match self {
             Self::OilColumn | Self::DeadBand | Self::Stops | Self::Seal | Self::Sag => 2,
@@ -245,7 +245,7 @@ impl PartKind {
         }
     }
 
-    /// Between which values a shape may be.
+    /// Bounds of a shape.
     pub fn bounds(self, which: usize, s: &ActuatorScales) -> [f64; 2] {
         match (self, which) {
             (Self::SecondLag, _) => [0.1 * s.interval_s, 0.5],
@@ -272,7 +272,7 @@ impl PartKind {
         }
     }
 
-    /// A step of a shape that its slope is formed over.
+    /// Step of a shape for a slope.
     pub fn step(self, which: usize, s: &ActuatorScales) -> f64 {
         match (self, which) {
             (Self::SecondLag, _) => 0.1 * s.interval_s,
@@ -293,11 +293,11 @@ impl PartKind {
     }
 }
 
-/// Friction at rest over that in motion below which it is plain friction.
+/// Ratio of friction at rest to that in motion below which it is plain friction.
 const STICKS: f64 = 1.05;
 
 impl Part {
-    /// The name of the catalogue.
+    /// Its name in the catalogue.
     pub fn effect(&self) -> Option<Effect> {
         match self.kind {
             PartKind::StickySeal if self.shapes[2] < STICKS => Some(Effect::CoulombFriction),
@@ -306,10 +306,10 @@ impl Part {
     }
 }
 
-/// Shapes of a part; those that it does not have are 0.
+/// Shapes of a part; unused ones are 0.
 pub type Shapes = [f64; 4];
 
-/// The first of them as given.
+/// The first shapes as given, the others 0.
 pub fn shapes<const N: usize>(first: [f64; N]) -> Shapes {
     let mut all = [0.0; 4];
     all[..N].copy_from_slice(&first);
@@ -319,7 +319,7 @@ pub fn shapes<const N: usize>(first: [f64; N]) -> Shapes {
 /// A part with its shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Which.
+    /// Its kind.
     pub kind: PartKind,
     /// Its shapes.
     pub shapes: Shapes,

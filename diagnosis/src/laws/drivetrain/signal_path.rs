@@ -4,18 +4,18 @@ use super::part::{Part, PartKind};
 use crate::numbers::operators::{dead_zone, play, slider};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
-/// A record as the search sees it; what comes before its first judged sample only sets the state.
+/// A record as used by the search; what precedes its first judged sample only sets the state.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Command, mm, with its run-up.
     pub command: Vec<f64>,
-    /// Samples of run-up.
+    /// Number of run-up samples.
     pub lead: usize,
-    /// Measured displacement behind the run-up, mm.
+    /// Measured displacement after the run-up, mm.
     pub target: Vec<f64>,
-    /// Those of its samples that nobody measured.
+    /// Its unmeasured samples.
     pub unmeasured: Vec<usize>,
-    /// Measured force, N, as long as the command; empty where there is none.
+    /// Measured force, N, as long as the command; empty if there is none.
     pub force: Vec<f64>,
     /// Time of the first judged sample since the record began, s.
     pub from_s: f64,
@@ -28,18 +28,18 @@ pub struct SignalPath {
     pub delay_s: f64,
     /// First-order time constant, s.
     pub lag_s: f64,
-    /// What else is on it.
+    /// Its other parts.
     pub parts: Vec<Part>,
 }
 
-/// Substeps of a valve's equation are no longer than this share of its time constant.
+/// Largest substep of a valve's equation, as a fraction of its time constant.
 const SUBSTEP: f64 = 0.25;
-/// No more substeps than these: a faster valve is over within a sample.
+/// Largest number of substeps: a faster valve settles within a sample.
 const MOST_SUBSTEPS: f64 = 16.0;
 
 impl SignalPath {
-    /// Columns of the displacement behind the run-up: the answer at gain 1, then one of amplitude 1 for each part that has
-    /// an amplitude.
+    /// Columns of the displacement after the run-up: the response at gain 1, then one of amplitude 1 for each part that
+    /// has an amplitude.
     pub fn columns(&self, run: &Run, interval_s: f64) -> Vec<Vec<f64>> {
         let late = delayed(&run.command, self.delay_s, interval_s);
         let mut y = self.valve(&late, interval_s);
@@ -51,7 +51,7 @@ impl SignalPath {
                 _ => {}
             }
         }
-        // What acts at standstill comes last, in the order of a drive.
+        // Parts that act at standstill come last, in the order of a drive.
         for part in &self.parts {
             match part.kind {
                 PartKind::DeadBand => {
@@ -90,7 +90,7 @@ impl SignalPath {
         columns
     }
 
-    /// The oil that a valve lets in, w' = flow(u - x) / T, and the ram x behind it; begins settled.
+    /// The oil that a valve lets in, w' = flow(u - x) / T, and the ram x driven by it; begins settled.
     pub fn valve(&self, input: &[f64], h: f64) -> Vec<f64> {
         let inside: Vec<Part> = self
             .parts
@@ -101,7 +101,7 @@ impl SignalPath {
         if inside.is_empty() {
             return lagged(input, self.lag_s, h);
         }
-        // A valve without a lag of its own would follow within the sample.
+        // A valve without lag would follow within the sample.
         let lag_s = self.lag_s.max(0.3 * h);
         let flow = Flow::new(&inside, lag_s);
         let seal = Seal::new(&inside);
@@ -133,12 +133,12 @@ impl SignalPath {
     }
 }
 
-/// A ram on the spring of its oil: what the oil is ahead of it is what friction of its seals bends the oil by.
+/// A ram on the spring of its oil: the oil's lead over it is the compression by its seals' friction.
 #[derive(Clone, Copy, Debug)]
 struct Ram {
     at_mm: f64,
     mm_per_s: f64,
-    /// Friction over its level in motion: elastic over the give, then it slides.
+    /// Friction relative to its level in motion: elastic over the give, then sliding.
     stick: f64,
 }
 
@@ -155,9 +155,9 @@ impl Ram {
 /// Friction of a ram's seals.
 #[derive(Clone, Copy, Debug)]
 struct Seal {
-    /// What friction in motion bends the oil by, mm.
+    /// Compression of the oil by friction in motion, mm.
     bend_mm: f64,
-    /// How much more friction a lead of the oil makes while the seals stick, 1/mm.
+    /// Increase of friction per lead of the oil while the seals stick, 1/mm.
     sticks_per_mm: f64,
     /// Friction at rest over that in motion, less 1, and one over the speed at which it falls, s/mm.
     falls: [f64; 2],
@@ -176,7 +176,7 @@ impl Seal {
         }
     }
 
-    /// Where a ram is whose oil has come to a place: held until the friction lets go.
+    /// Position of a ram whose oil has moved: held until the friction gives way.
     #[inline]
     fn hold(&self, ram: Ram, oil_mm: f64, per_s: f64) -> Ram {
         if self.bend_mm <= 0.0 {
@@ -199,25 +199,25 @@ impl Seal {
     }
 }
 
-/// The hyperbolic tangent of half of it is 1.
+/// The hyperbolic tangent of half of this is 1.
 const MOST_EXPONENT: f64 = 100.0;
 
-/// What a valve lets through.
+/// The flow through a valve.
 #[derive(Clone, Copy, Debug)]
 struct Flow {
-    /// It is closed up to this opening, mm.
+    /// Closed up to this opening, mm.
     overlap_mm: f64,
     /// 1/mm.
     unequal_areas: f64,
-    /// Speed one way over that in the mean, less 1.
+    /// Speed one way over the mean speed, less 1.
     two_speeds: f64,
-    /// Opening at which it saturates, mm; infinite where it does not.
+    /// Opening at which it saturates, mm; infinite if it does not.
     saturates_mm: f64,
     /// mm/s.
     most: f64,
     /// 1/mm.
     load: f64,
-    /// What a speed takes of the supply, s/mm, and the time that this lasts, s.
+    /// Fraction of the supply taken per speed, s/mm, and its recovery time, s.
     sag: [f64; 2],
     per_lag: f64,
 }
@@ -243,7 +243,7 @@ impl Flow {
         }
     }
 
-    /// Speed of the oil behind an opening where the piston stands, mm/s; `low`: the share of the supply that is missing.
+    /// Oil speed at an opening and a piston position, mm/s; `low`: missing fraction of the supply pressure.
     #[inline]
     fn at(&self, opening_mm: f64, at_mm: f64, low: f64) -> f64 {
         let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
@@ -255,7 +255,7 @@ impl Flow {
                 .sqrt();
         }
         if self.saturates_mm.is_finite() {
-            // The hyperbolic tangent by one exponential, which is what most of the time goes into.
+            // The hyperbolic tangent by one exponential, which dominates the computing time.
             let grown = (2.0 * e / self.saturates_mm).min(MOST_EXPONENT).exp();
             e = self.saturates_mm * (1.0 - 2.0 / (grown + 1.0));
         }
@@ -342,7 +342,7 @@ mod tests {
             let exact = 1.0 - (-(1e-3 * i as f64 - begins_s) / 0.02).exp();
             assert!((y - exact).abs() < 4e-3, "{i}: {y} {exact}");
         }
-        // What sticks at rest waits longer.
+        // Stiction waits longer.
         let sticky = x(path(PartKind::StickySeal, shapes([b, 1e-4, 2.0, 10.0])));
         assert!(sticky[7] < 0.01 && y[7] > 0.1);
     }

@@ -7,19 +7,19 @@ use crate::numbers::operators as op;
 use crate::numbers::signals::{Scales, delayed, difference, lagged, resonant, unlagged};
 use plant::Effect;
 
-/// What most of them are variations of.
+/// Base that most of them vary.
 const BASIS: Known = Known {
     effect: Effect::Offset,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
 };
 
-/// The shape is the whole delay and one interval more, so that it is never 0.
+/// The shape is the whole delay plus one interval, so that it is never 0.
 fn extra_delay_s(shape: &[f64], k: &Scales) -> f64 {
     shape[0] - k.interval_s - k.declared.delay_s
 }
 
-/// A stage behind the actuator, which adds nothing of its own.
+/// A stage after the actuator, which has no columns of its own.
 const STAGE: Known = Known {
     columns: |_, _, _| Vec::new(),
     ..BASIS
@@ -122,8 +122,8 @@ pub const EFFECTS: &[Known] = &[
     },
 ];
 
-/// Forms that the engine finds as parts of the path (`laws/drivetrain/part.rs`), beside those above: the same names, other numbers
-/// of shapes. Here they are only read back from a model file.
+/// Forms that the engine finds as parts of the path (`laws/drivetrain/part.rs`), in addition to those above: the same
+/// names with other numbers of shapes. Here they are only read back from a model file.
 pub const FORMS: &[Known] = &[
     // Unequal areas of a cylinder, x' = (e + b e^2) / T: b, 1/mm.
     Known {
@@ -137,19 +137,19 @@ pub const FORMS: &[Known] = &[
         stage: Some(|y, p, k| through_valve(y, k, PartKind::TwoSpeeds, shapes([p[0]]))),
         ..STAGE
     },
-    // A valve that overlaps: to either side, mm, and the lag behind it, s.
+    // An overlapped valve: overlap to either side, mm, and the lag after it, s.
     Known {
         effect: Effect::DeadBand,
         stage: Some(|y, p, k| through_valve(y, k, PartKind::Overlap, shapes([p[0]]))),
         ..STAGE
     },
-    // A flow that saturates smoothly: the opening where it does, mm, and the lag behind it, s.
+    // A smoothly saturating flow: its saturation opening, mm, and the lag after it, s.
     Known {
         effect: Effect::RateLimit,
         stage: Some(|y, p, k| through_valve(y, k, PartKind::FlowLimit, shapes([p[0]]))),
         ..STAGE
     },
-    // A largest flow, inside the lag: the speed at which it ends, mm/s, at gain 1.
+    // A largest flow, inside the lag: the limiting speed, mm/s, at gain 1.
     Known {
         effect: Effect::RateLimit,
         stage: Some(|y, p, k| through_valve(y, k, PartKind::RateLimit, shapes([p[0]]))),
@@ -167,13 +167,13 @@ pub const FORMS: &[Known] = &[
         stage: Some(|y, p, _| op::dead_zone(y, [p[0], 0.0, p[1]]).collect()),
         ..STAGE
     },
-    // Friction of seals against the spring of the oil: what it bends it by and the seals' give, mm, and the lag behind it, s.
+    // Seal friction against the oil's spring: the oil's compression and the seals' give, mm, and the lag after it, s.
     Known {
         effect: Effect::CoulombFriction,
         stage: Some(|y, p, k| through_valve(y, k, PartKind::Seal, shapes([p[0], p[1]]))),
         ..STAGE
     },
-    // The same where it falls with speed: its level at rest over that in motion, and the speed, mm/s.
+    // The same with friction that falls with speed: its level at rest over that in motion, and the speed, mm/s.
     Known {
         effect: Effect::StribeckFriction,
         stage: Some(|y, p, k| {
@@ -183,7 +183,7 @@ pub const FORMS: &[Known] = &[
     },
 ];
 
-/// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
+/// A lag's response through another valve: the lag's input is recovered and passed through that valve.
 fn through_valve(y: &[f64], k: &Scales, kind: PartKind, shapes: Shapes) -> Vec<f64> {
     let known = k.actuator;
     let plain: Vec<f64> = y

@@ -1,16 +1,16 @@
-//! An effect of the library: its shapes, its columns, what its amplitudes may be. And what several effects share.
+//! An effect of the library: its shapes, its columns, bounds of its amplitudes; and helpers for several effects.
 
 use crate::numbers::linear::Bound;
 use crate::numbers::signals::{Scales, Signals};
 use plant::Effect;
 
-/// A parameter that the answer depends on other than in proportion; searched on a logarithmic scale where it is
-/// positive, else on a straight one.
+/// A parameter on which the response depends nonlinearly; searched on a logarithmic scale if it is positive, otherwise
+/// on a linear one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Smallest value that is tried.
+    /// Smallest value tried.
     pub low: f64,
-    /// Largest value.
+    /// Largest value tried.
     pub high: f64,
 }
 
@@ -20,13 +20,13 @@ impl Shape {
     }
 }
 
-/// Passes a signal on changed, for these shapes.
+/// Transforms a signal, for these shapes.
 pub type Stage = fn(&[f64], &[f64], &Scales) -> Vec<f64>;
 
-/// Adds to a signal, a column for each amplitude, for these shapes.
+/// Adds to a signal, one column per amplitude, for these shapes.
 pub type Columns = fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>;
 
-/// A parameter of the catalogue: its name, its unit, its value.
+/// A parameter of the catalogue: name, unit, value.
 pub type NamedValue = (&'static str, &'static str, f64);
 
 /// An effect of the library in one channel.
@@ -36,29 +36,29 @@ pub struct Candidate {
     pub effect: Effect,
     /// Its shape parameters for data of these sizes.
     pub shapes: fn(&Scales) -> Vec<Shape>,
-    /// What it adds to the answer, a column for each amplitude.
+    /// Its contribution to the response, one column per amplitude.
     pub columns: Columns,
-    /// Instead of columns: what the effect makes of the whole answer before it. Without amplitude.
+    /// Instead of columns: transforms the whole response before it. Without amplitude.
     pub stage: Option<Stage>,
-    /// What its amplitudes may be.
+    /// Bounds of its amplitudes.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.
     pub parameters: fn(&[f64], &[f64], &Scales) -> Vec<NamedValue>,
 }
 
-/// An effect as a model file brings it: its amplitudes and shapes are known.
+/// An effect from a model file, with known amplitudes and shapes.
 #[derive(Clone, Copy)]
 pub struct Known {
     /// Which effect.
     pub effect: Effect,
-    /// As those of a [`Candidate`].
+    /// Like those of a [`Candidate`].
     pub columns: Columns,
-    /// As that of a [`Candidate`].
+    /// Like that of a [`Candidate`].
     pub stage: Option<Stage>,
 }
 
 impl Candidate {
-    /// What there is of it in a model file.
+    /// The part of it that a model file needs.
     pub const fn known(&self) -> Known {
         Known {
             effect: self.effect,
@@ -84,7 +84,7 @@ pub fn none(_: &Scales) -> Vec<Bound> {
     Vec::new()
 }
 
-/// A replacement of the whole answer: its column is the difference that it makes, once.
+/// A replacement of the whole response: its column is the difference that it makes, once.
 pub fn once(_: &Scales) -> Vec<Bound> {
     vec![Bound {
         low: 0.85,
@@ -102,12 +102,12 @@ pub fn positive(_: &Scales) -> Vec<Bound> {
     vec![Bound::POSITIVE]
 }
 
-/// Slow effects: how long they take to settle.
+/// Slow effects: range of their settling times.
 pub fn settling(s: &Scales) -> Vec<Shape> {
     vec![Shape::new(0.05 * s.seconds, 200.0 * s.seconds)]
 }
 
-/// The frequency of hum: around the line that the residual shows.
+/// Range of a hum's frequency: around the line in the residual.
 pub fn humming(s: &Scales) -> Vec<Shape> {
     let hz = s.line_hz.unwrap_or(50.0);
     let width = 0.6 / s.seconds;
@@ -137,7 +137,7 @@ pub fn four(_: &Scales) -> Vec<Bound> {
     vec![Bound::FREE; 4]
 }
 
-/// Amplitude of the fundamental, and the share of the third harmonic.
+/// Amplitude of the fundamental, and the relative third harmonic.
 pub fn hum_size(amplitudes: &[f64]) -> (f64, f64) {
     let first = amplitudes[0].hypot(amplitudes[1]);
     (
@@ -146,10 +146,10 @@ pub fn hum_size(amplitudes: &[f64]) -> (f64, f64) {
     )
 }
 
-/// Friction at rest is at most so many times that in motion.
+/// Largest ratio of friction at rest to that in motion.
 pub const MOST_AT_REST: f64 = 4.0;
 
-/// Friction that is the same at any speed, and friction that falls from [`MOST_AT_REST`] times to its size by `slow`.
+/// Friction independent of speed, and friction that falls to its level from [`MOST_AT_REST`] times that by `slow`.
 pub fn stribeck(friction: Vec<f64>, slow: impl Iterator<Item = f64>) -> Vec<Vec<f64>> {
     let falls = friction.iter().zip(slow);
     let falls = falls.map(|(z, slow)| z * (1.0 + (MOST_AT_REST - 1.0) * slow));
@@ -157,7 +157,7 @@ pub fn stribeck(friction: Vec<f64>, slow: impl Iterator<Item = f64>) -> Vec<Vec<
     vec![friction, falls]
 }
 
-/// Of the friction at rest to that in motion.
+/// Ratio of the friction at rest to that in motion.
 pub fn rest_ratio(amplitudes: &[f64]) -> f64 {
     let share = amplitudes[1] / (amplitudes[0] + amplitudes[1]).max(f64::MIN_POSITIVE);
     1.0 + (MOST_AT_REST - 1.0) * share

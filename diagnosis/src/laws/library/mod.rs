@@ -1,5 +1,5 @@
-//! The library: what each effect adds to the answer of a channel, as columns whose amplitudes are fitted, of shapes
-//! that are searched.
+//! The library: the contribution of each effect to a channel's response, as columns with fitted amplitudes and searched
+//! shapes.
 
 mod actuator;
 pub(crate) mod candidate;
@@ -12,7 +12,7 @@ pub use specimen::{CANDIDATES, ROUNDED_GAP, ROUNDED_LIMIT};
 
 use plant::{Channel, Effect, EffectSpec};
 
-/// Every effect that a model of a channel can have.
+/// All effects that a model of a channel may have.
 fn effects(channel: Channel) -> Vec<Known> {
     match channel {
         Channel::Actuator => actuator::EFFECTS.to_vec(),
@@ -20,12 +20,12 @@ fn effects(channel: Channel) -> Vec<Known> {
     }
 }
 
-/// Whether a model of a channel can have an effect.
+/// True if a model of a channel may have an effect.
 pub fn has(channel: Channel, effect: Effect) -> bool {
     effects(channel).iter().any(|k| k.effect == effect)
 }
 
-/// What an effect of a model is in the library, or one of its forms where it has the form's parameters.
+/// The library's entry for an effect of a model, or for one of its forms if it has the form's parameters.
 pub fn known(channel: Channel, effect: &EffectSpec) -> Option<Known> {
     let form = saved::form_of(channel, effect).and_then(|i| actuator::FORMS.get(i).copied());
     let form = form.or_else(|| saved::tires(effect).then_some(specimen::FATIGUE.known()));
@@ -43,8 +43,8 @@ mod tests {
     fn every_name_has_a_candidate_in_every_channel_of_the_catalogue() {
         for entry in plant::catalogue() {
             for &channel in entry.channels {
-                // Quantisation is read off the values themselves; a sensor that freezes or is noisier is no model of a
-                // record.
+                // Quantisation is read from the values themselves; a sensor that freezes or is noisier is not a model
+                // of a record.
                 let found = has(channel, entry.effect);
                 assert_eq!(
                     found,
@@ -101,7 +101,7 @@ mod tests {
                 .iter()
                 .map(|(name, _, value)| (*name, *value))
                 .collect();
-            // The file has these alone: the way back gives the same.
+            // The file contains only these: reading them back gives the same.
             let saved = plant::EffectSpec::new(c.effect, &values);
             let (a, p) = fit_of(Channel::Specimen, &saved, &scales);
             for ((name, _, value), (_, _, again)) in

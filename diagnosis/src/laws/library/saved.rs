@@ -1,12 +1,12 @@
-//! From the parameters of the catalogue, as a model file has them, to amplitudes and shapes: the way back of
+//! Converts catalogue parameters, as in a model file, to amplitudes and shapes: the inverse of
 //! [`super::Candidate::parameters`].
 
 use super::candidate::MOST_AT_REST;
 use crate::numbers::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
-/// The parameters of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the order of
-/// their shapes.
+/// Parameter names of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the
+/// order of their shapes.
 pub const FORMS: [(Effect, &[&str]); 9] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),
@@ -31,7 +31,7 @@ pub const FORMS: [(Effect, &[&str]); 9] = [
     ),
 ];
 
-/// Which of the forms `effect` has; `None` where it is as the catalogue has it.
+/// The form that `effect` has; `None` if it is as in the catalogue.
 pub fn form_of(channel: Channel, effect: &EffectSpec) -> Option<usize> {
     FORMS.iter().position(|(name, names)| {
         let given = names
@@ -41,18 +41,18 @@ pub fn form_of(channel: Channel, effect: &EffectSpec) -> Option<usize> {
     })
 }
 
-/// The names of the form that `effect` has; none where it is as the catalogue has it.
+/// The parameter names of the form that `effect` has; none if it is as in the catalogue.
 pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static str] {
     form_of(channel, effect).map_or(&[], |i| FORMS[i].1)
 }
 
-/// Whether `effect` is a spring that tires with travel.
+/// True if `effect` is a spring that fatigues with travel.
 pub fn tires(effect: &EffectSpec) -> bool {
     effect.name == Effect::Degradation && effect.parameter("travel_mm").is_some_and(|mm| mm > 0.0)
 }
 
-/// Amplitudes and shapes of `effect` of a channel for data of these sizes. The phase of a hum is of its own
-/// record; its sine begins with 0.
+/// Amplitudes and shapes of a channel's `effect` for data of these sizes. A hum's phase belongs to its own record; its
+/// sine starts at 0.
 pub fn fit_of(channel: Channel, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
     let own = form_names(channel, effect);
     if !own.is_empty() {
@@ -63,7 +63,7 @@ pub fn fit_of(channel: Channel, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, V
     let in_force = channel == Channel::Specimen;
     let of_unit =
         |force: &'static str, motion: &'static str| get(if in_force { force } else { motion });
-    // An effect that replaces the whole answer has that much of itself once, where it is a column.
+    // If an effect that replaces the whole response is a column, its amplitude is 1.
     let once = if in_force { vec![1.0] } else { Vec::new() };
     match effect.name {
         Effect::DelayError => (
@@ -125,7 +125,7 @@ pub fn fit_of(channel: Channel, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, V
             let third = first * get("third_harmonic");
             (vec![first, 0.0, third, 0.0], vec![get("frequency_hz")])
         }
-        // Read off the values themselves: no candidate has it.
+        // Read from the values themselves: no candidate has it.
         Effect::Quantisation | Effect::FrozenSensor | Effect::SensorNoise => (vec![], vec![]),
     }
 }
@@ -143,7 +143,7 @@ fn form_shapes(effect: &EffectSpec, names: &[&str]) -> Vec<f64> {
     names.iter().map(shape).collect()
 }
 
-/// What slides at every speed, and what is added to it at rest, of the column that has the most at rest.
+/// Amplitudes of friction at every speed and of that added at rest, for the column with the most at rest.
 fn at_rest_and_sliding(sliding: f64, rest_ratio: f64) -> Vec<f64> {
     let falls = sliding * (rest_ratio - 1.0) / (MOST_AT_REST - 1.0);
     vec![sliding - falls, falls]

@@ -9,7 +9,7 @@ use crate::numbers::operators as op;
 use crate::numbers::signals::{Scales, Signals, delayed};
 use plant::Effect;
 
-/// A candidate of this channel that generalises nothing.
+/// The base of this channel's candidates.
 const BASIS: Candidate = Candidate {
     effect: Effect::Offset,
     shapes: no_shape,
@@ -23,7 +23,7 @@ fn times(x: &[f64], factor: f64) -> Vec<f64> {
     x.iter().map(|x| factor * x).collect()
 }
 
-/// `k (f(x) - x)`: what is missing where only `f(x)` of the displacement is felt.
+/// `k (f(x) - x)`: the missing force if only `f(x)` of the displacement acts.
 fn instead(x: &[f64], felt: impl IntoIterator<Item = f64>, stiffness: f64) -> Vec<Vec<f64>> {
     vec![
         felt.into_iter()
@@ -48,19 +48,19 @@ fn presliding(s: &Scales) -> Vec<Shape> {
     vec![Shape::new(0.001 * s.x, 0.3 * s.x)]
 }
 
-/// Powers of the displacement, relative to the largest.
+/// Powers of the displacement, relative to the largest, with the displacement itself.
 fn power(s: &Signals, exponent: f64, k: &Scales) -> impl Iterator<Item = (f64, f64)> {
     let (x, scale) = (s.x.clone(), k.x);
     x.into_iter()
         .map(move |x| (x, (x / scale).abs().powf(exponent)))
 }
 
-/// Share of a stiffness that is lost at a displacement: a half at the reference, then the exponent says how fast.
+/// Fraction of a stiffness lost at a displacement: half at the reference, with a steepness set by the exponent.
 fn lost(at_mm: f64, [reference_mm, exponent]: [f64; 2]) -> f64 {
     1.0 - 1.0 / (1.0 + (at_mm / reference_mm).powf(exponent))
 }
 
-/// What the way takes from a spring: the other form of `degradation`.
+/// A spring's loss by travel: the other form of `degradation`.
 pub const FATIGUE: Candidate = Candidate {
     effect: Effect::Degradation,
     shapes: |s| {
@@ -70,7 +70,7 @@ pub const FATIGUE: Candidate = Candidate {
     },
     columns: |s, p, k| {
         let travel = op::travel(&s.v, s.interval_s, s.travel_before_mm);
-        // Of what the spring feels in the model, with the reading's noise, as a gain that changes with time has it.
+        // Applied to the spring's force in the model, with the reading's noise, like a gain that changes with time.
         let forces = s.reading.iter().zip(travel);
         vec![
             forces
@@ -83,10 +83,10 @@ pub const FATIGUE: Candidate = Candidate {
     ..BASIS
 };
 
-/// Least sharpness of a limit with a rounded corner: at half of it such a channel is still within a transducer's class of 0.5 %.
+/// Least sharpness of a limit with a rounded corner: at half of it such a channel is still of transducer class 0.5 %.
 const SHARP: f64 = 5.0;
 
-/// A force that ends at a limit with a rounded corner: the rival of a spring that gives way.
+/// A force limit with a rounded corner: the rival of a softening spring.
 pub const ROUNDED_LIMIT: Candidate = Candidate {
     effect: Effect::Saturation,
     shapes: |s| {
@@ -104,11 +104,11 @@ pub const ROUNDED_LIMIT: Candidate = Candidate {
     ..BASIS
 };
 
-/// Widest round of a gap's corners, over the gap: they meet in the middle of such a gap, and where the spring is felt there it is one
-/// that stiffens.
+/// Largest rounding of a gap's corners, relative to the gap: there they meet in the middle, and a spring that is felt
+/// there is one that stiffens.
 const ROUND: f64 = 0.5;
 
-/// A gap with rounded corners: the rival of a spring that stiffens.
+/// A gap with rounded corners: the rival of a stiffening spring.
 pub const ROUNDED_GAP: Candidate = Candidate {
     effect: Effect::DeadBand,
     shapes: |s| [width(s), vec![Shape::new(0.1 * ROUND, ROUND)]].concat(),
@@ -314,7 +314,7 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::Softening,
-        // The reference displacement, then the exponent: the softening is not in proportion to anything.
+        // The reference displacement, then the exponent: the softening has no proportional amplitude.
         shapes: |s| vec![Shape::new(0.3 * s.x, 30.0 * s.x), Shape::new(0.7, 5.0)],
         columns: |s, p, k| {
             let forces = s.x.iter();

@@ -1,4 +1,4 @@
-//! A displacement below a cut-off, with its derivatives, and where its motion ends.
+//! A displacement below a cut-off, with its derivatives, and the band of its motion.
 
 use super::curvature;
 use crate::criteria::BAND_POWER;
@@ -6,17 +6,17 @@ use crate::record::spectrum::Motion;
 use fourier::Complex;
 use std::f64::consts::{PI, TAU};
 
-/// Above the cut-off the gain falls to 0 over this share of it, by half a cosine.
+/// Above the cut-off the gain falls to 0 over this fraction of it, by half a cosine.
 const FALL: f64 = 0.15;
-/// Share of a signal that is mirrored at each end, at most.
+/// Largest fraction of a signal that is mirrored at each end.
 const MIRRORED: f64 = 0.25;
 
-/// Share of a cycle of the band's end within which a bend fades: shorter, and what is left would have corners that no
-/// cut-off passes.
+/// Width of a bend's fading, as a fraction of a cycle of the band's end: if it were shorter, the remainder would have
+/// corners that no cut-off passes.
 const FADES: f64 = 0.35;
-/// No longer than this share of the record: what bends one end is gone at the other.
+/// Largest width, as a fraction of the record: what bends one end is gone at the other.
 const LONGEST: f64 = 0.15;
-/// Widths beyond which a bend is nothing.
+/// Widths beyond which a bend is zero.
 const GONE: f64 = 6.0;
 
 /// The discrete Fourier transform of a displacement, mirrored at its ends with equal slope.
@@ -31,15 +31,15 @@ pub struct Band {
     bends: [Bend; 2],
 }
 
-/// How a signal bends at one of its ends: `a t^2 / 2` that fades within a share of a cycle. Without it a mirror image
-/// would turn the acceleration round there.
+/// Curvature of a signal at one of its ends: `a t^2 / 2`, fading within a fraction of a cycle. Without it a mirror
+/// image would reverse the acceleration there.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bend {
-    /// Where, s.
+    /// Its time, s.
     at_s: f64,
     /// Second derivative there.
     acceleration: f64,
-    /// Where it has faded, s.
+    /// Width of its fading, s: by 1/e.
     width_s: f64,
 }
 
@@ -66,7 +66,7 @@ impl Band {
         let end_s = (x.len() - 1) as f64 * interval_s;
         let mirrored = Self::without(x, interval_s, [Bend::default(); 2]);
         let width_s = (FADES / mirrored.of_motion_hz()).min(LONGEST * end_s);
-        // With so few samples in a part of a cycle nothing tells how it bends.
+        // So few samples in part of a cycle cannot determine its curvature.
         if width_s < curvature::SHORTEST as f64 * interval_s {
             return mirrored;
         }
@@ -80,7 +80,7 @@ impl Band {
         Self::without(x, interval_s, bends)
     }
 
-    /// The transform of what the bends leave.
+    /// The transform of the signal without the bends.
     fn without(x: &[f64], interval_s: f64, bends: [Bend; 2]) -> Self {
         let n = x.len();
         let straight = |(i, x): (usize, &f64)| {
@@ -95,7 +95,7 @@ impl Band {
         series.extend_from_slice(&x);
         series.extend((1..=pad).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
         let m = series.len();
-        // A straight line from end to end is taken off, so that the period closes.
+        // Remove a straight line from end to end, so that the period closes.
         let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
         let line = |(i, s): (usize, &f64)| Complex::new(s - first - slope * i as f64, 0.0);
         let mut bins: Vec<Complex<f64>> = series.iter().enumerate().map(line).collect();
@@ -121,8 +121,8 @@ impl Band {
         signed / (m as f64 * self.interval_s)
     }
 
-    /// Displacement, velocity and acceleration below the cut-off, with `fine` samples for each of the record's: between
-    /// two samples a motion reverses, too.
+    /// Displacement, velocity and acceleration below the cut-off, with `fine` samples per sample of the record: a
+    /// motion may also reverse between two samples.
     pub fn motion(&self, cutoff_hz: f64, fine: usize) -> Motion {
         let m = self.bins.len();
         let nyquist = 0.5 / self.interval_s;
@@ -134,7 +134,7 @@ impl Band {
             if pass == 0.0 {
                 continue;
             }
-            // The bin at half the rate has no sign: an odd derivative of it is none.
+            // The bin at half the rate has no sign: its odd derivatives are zero.
             let omega = if hz.abs() < nyquist * (1.0 - 1e-9) {
                 TAU * hz
             } else {
@@ -174,8 +174,8 @@ impl Band {
         motion
     }
 
-    /// Where nine tenths of the speed's power lie below, Hz; the level of the upper half of the spectrum is taken for
-    /// the sensor's noise.
+    /// Frequency below which nine tenths of the speed's power lie, Hz; the level of the upper half of the spectrum is
+    /// taken as the sensor's noise.
     pub fn of_motion_hz(&self) -> f64 {
         let half = self.bins.len() / 2;
         let power: Vec<f64> = self.bins[..half].iter().map(Complex::norm_sqr).collect();
@@ -200,7 +200,7 @@ impl Band {
     }
 }
 
-/// 1 up to the cut-off, 0 from 1.15 of it on, half a cosine between.
+/// 1 up to the cut-off, 0 from 1.15 of it on, with half a cosine between.
 fn gain(relative: f64) -> f64 {
     match (relative - 1.0) / FALL {
         r if r <= 0.0 => 1.0,
@@ -209,7 +209,7 @@ fn gain(relative: f64) -> f64 {
     }
 }
 
-/// The next length whose transform is quick: no prime factor above 5.
+/// The next length with a fast transform: no prime factor above 5.
 fn smooth_length(least: usize) -> usize {
     let quick = |n: &usize| {
         let mut n = *n;
@@ -233,7 +233,7 @@ mod tests {
         let x: Vec<f64> = (0..5001).map(|i| 10.0 * (w * i as f64 * h).cos()).collect();
         let m = Band::new(&x, h).motion(8.0, 1);
         for i in (0..25).chain(4976..5001) {
-            // A mirror image alone has none at the end: 100 % off. What is left rings at the cut-off and dies away.
+            // A mirror image alone has none at the end: 100 % off. The remainder rings at the cut-off and decays.
             let off = (m.a[i] + w * w * x[i]) / (w * w * 10.0);
             assert!(off.abs() < 0.1, "{i}: {off}");
             assert!((m.x[i] - x[i]).abs() < 0.01, "{i}");

@@ -4,22 +4,22 @@ use crate::numbers::linear::{dot, gram};
 use crate::record::converter_step;
 use nalgebra::DVector;
 
-/// Samples of the shortest segment: fewer tell the noise of a reading too badly.
+/// Samples of the shortest segment: fewer determine a reading's noise too poorly.
 pub const SHORTEST: usize = 16;
 /// Degree of the polynomial through a segment.
 const DEGREE: i32 = 3;
-/// The longest segment, as a share of the record.
+/// Longest segment, as a fraction of the record.
 const LONGEST: f64 = 0.25;
-/// Standard deviations to either side of an estimate within which a longer segment must agree.
+/// Standard deviations to either side of an estimate within which longer segments must agree.
 const AGREE: f64 = 3.0;
 
-/// A polynomial through a segment, by least squares.
+/// A least-squares polynomial through a segment.
 struct LocalPolynomial {
     /// Second derivative at its first sample.
     curvature: f64,
-    /// Standard deviation of that for noise of 1 in each sample.
+    /// Its standard deviation for unit noise in each sample.
     per_noise: f64,
-    /// rms of what it leaves, coefficients counted.
+    /// Rms residual, corrected for the number of coefficients.
     leaves: f64,
 }
 
@@ -51,11 +51,11 @@ impl LocalPolynomial {
 
 /// Second derivative of a reading at its first sample. Segments from there get longer as long as each agrees with all
 /// shorter ones within their scatter (the rule of intersecting confidence intervals: Goldenshluger and Nemirovski, On
-/// spatially adaptive estimation of nonparametric regression, 1997): a short one is scattered by noise, one that is too
-/// long bends in more ways than a polynomial. As much of it is given as is no noise.
+/// spatially adaptive estimation of nonparametric regression, 1997): noise scatters a short one, a long one has more
+/// bends than a polynomial. Only what exceeds the noise is returned.
 pub fn at_the_start(x: &[f64], interval_s: f64) -> f64 {
     let longest = (LONGEST * x.len() as f64) as usize;
-    // A slow motion on a coarse converter reads the same number many times: that is not without noise.
+    // A slow motion on a coarse converter repeats the same value: that does not mean no noise.
     let mut noise = f64::INFINITY;
     let steps = converter_step::step(x).map_or(0.0, |step| step / 12_f64.sqrt());
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -112,14 +112,14 @@ mod tests {
             x.map(|x| (x / step).round() * step).collect()
         };
         assert!(at_the_start(&ramp(1e-9), 1e-3).abs() < 0.1);
-        // The ramp passes a step in 8 samples; read as an acceleration these would be thousands of mm/s^2.
+        // The ramp passes a step in 8 samples; as an acceleration these would be thousands of mm/s^2.
         let coarse = at_the_start(&ramp(0.04), 1e-3);
         assert!(coarse.abs() < 5.0, "{coarse}");
     }
 
     #[test]
     fn an_acceleration_that_soon_changes_is_that_of_the_beginning() {
-        // 300 mm/s^2 for 0.15 s, then none: a ramp with rounded ends, as a robot's.
+        // 300 mm/s^2 for 0.15 s, then none: a ramp with rounded ends, like a robot's.
         let mut noise = noise(1e-3);
         let x: Vec<f64> = (0..6000)
             .map(|i| {

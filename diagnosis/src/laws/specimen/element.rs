@@ -1,4 +1,4 @@
-//! An element beside the declared specimen: a law, its shape, and the force that it makes of a motion at strength 1.
+//! An element beside the declared specimen: a law, its shape, and its force for a motion at strength 1.
 
 use super::laws;
 use super::track::{MotionScales, Track};
@@ -69,12 +69,12 @@ pub enum Law {
 pub struct Element {
     /// Its law.
     pub law: Law,
-    /// Its shape, as the law reads it.
+    /// Its shape, in the law's own meaning.
     pub shape: [f64; 4],
 }
 
 impl Law {
-    /// Whether it gives first and slides then, with the same force anywhere and at any time.
+    /// True if it first gives and then slides, with the same force anywhere and at any time.
     pub fn slides(self) -> bool {
         use Law::{BoucWen, Bristles, Distributed, InSeries, Slider, Stribeck};
         matches!(
@@ -85,7 +85,7 @@ impl Law {
 }
 
 impl Element {
-    /// With a shape; what the law does not read is 0.
+    /// With a shape; values that the law does not use are 0.
     pub fn new<const N: usize>(law: Law, given: [f64; N]) -> Self {
         let mut shape = [0.0; 4];
         shape[..N].copy_from_slice(&given);
@@ -151,7 +151,7 @@ impl Element {
         }
     }
 
-    /// What its strength may be.
+    /// Bounds of its strength.
     pub fn bound(&self) -> Bound {
         match self.law {
             Law::PowerOfPlace
@@ -161,20 +161,20 @@ impl Element {
             | Law::Settling
             | Law::Warming
             | Law::SliderAlong => Bound::FREE,
-            // Softening beyond a gap is a spring that gives way; what damps pushes.
+            // Softening beyond a gap is a spring that gives way; a damper pushes.
             Law::Beyond if self.shape[3] == 0.0 => Bound::FREE,
             _ => Bound::POSITIVE,
         }
     }
 }
 
-/// The travel since the file's first sample, mm; what a span is put before itself with is no travel.
+/// The travel since the file's first sample, mm; a copy of a span put before itself is no travel.
 fn travels(t: &Track) -> Vec<f64> {
     let travels = travel(&t.v, t.interval_s, t.travel_before_mm);
     travels.map(|w| w.max(0.0)).collect()
 }
 
-/// From 0 at the file's first moment towards 1.
+/// Rises from 0 at the file's first moment towards 1.
 fn settling(t: &Track, time_constant_s: f64) -> Vec<f64> {
     let from = t.time_s[0] - t.interval_s * t.first as f64;
     let time = (0..t.x.len()).map(|i| from + t.interval_s * i as f64);
@@ -186,7 +186,7 @@ fn settling(t: &Track, time_constant_s: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The force of a spring at some places.
+    /// The force of a spring at given places.
     fn over(spring: &Element, places: &[f64], sizes: &MotionScales) -> Vec<f64> {
         let track = Track {
             interval_s: sizes.interval_s,
@@ -254,9 +254,9 @@ mod tests {
         assert_eq!(travels(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
         let worn = Element::new(Law::Worn, [1.0, 10.0]);
         let force = |before| worn.force(&track(before), &MotionScales::default());
-        // The first 2 mm are a copy: nothing is worn off at the span's first sample.
+        // The first 2 mm are a copy: nothing has worn off at the span's first sample.
         assert_eq!(force(-2.0)[1..], [1.0, (-0.2_f64).exp(), (-0.4_f64).exp()]);
-        // A file that has gone 10 mm before: 1/e of it is left.
+        // A file with 10 mm of previous travel: 1/e of it is left.
         assert_eq!(force(8.0)[1], (-1.0_f64).exp());
     }
 }

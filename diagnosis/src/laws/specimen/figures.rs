@@ -1,4 +1,4 @@
-//! The parameters of a name, each with its 90 % interval, on condition that the name is right.
+//! The parameters of a name, each with its 90 % interval, conditional on the name being right.
 
 use super::element::{Element, Law};
 use super::fit::SpecimenFit;
@@ -8,22 +8,22 @@ use plant::{Channel, Effect};
 
 /// The displacement over which friction builds up.
 pub const PRESLIDING: &str = "presliding_mm";
-/// The force of friction that slides.
+/// The force of sliding friction.
 pub const SLIDING: &str = "force_n";
-/// The force of friction that is there at rest and not where it slides.
+/// The force of friction that is present at rest but not while sliding.
 pub const AT_REST: &str = "force_at_rest_n";
-/// What a friction gains with speed.
+/// Increase of friction with speed.
 pub const GAINED: &str = "force_gained_n";
-/// The speed up to which a force grows that hardly grows beyond it.
+/// The speed above which a force hardly grows any further.
 pub const KNEE: &str = "knee_mm_per_s";
-/// The way after which a force has been worn off to 1/e.
+/// The travel after which a force has worn off to 1/e.
 pub const WORN_TRAVEL: &str = "worn_travel_mm";
-/// What a spring gains from a place on.
+/// Additional stiffness of a spring beyond a place.
 pub const STIFFNESS_BEYOND: &str = "stiffness_beyond_n_per_mm";
-/// By how much less a force is around one place.
+/// Reduction of a force around one place.
 pub const PINCHED: &str = "force_pinched_n";
 
-/// The parameters of a name in a fit whose elements `own` belong to it; `declared` are the values before.
+/// The parameters of a name in a fit whose elements `own` belong to it; `declared` are the previous values.
 pub fn figures(
     name: Effect,
     own: &[usize],
@@ -80,7 +80,7 @@ pub fn figures(
     }
 }
 
-/// What a law by itself is told by; its strength first.
+/// The parameters of a single law; its strength first.
 fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
     let [p, q, _, _] = element.shape;
     match element.law {
@@ -130,7 +130,7 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
     }
 }
 
-/// The same of springs that are another elsewhere, or were another before; `largest_mm` is the record's displacement.
+/// The same for springs that differ elsewhere, or used to differ; `largest_mm` is the record's displacement.
 fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue> {
     let [p, q, r, s] = element.shape;
     let reference = ("reference_mm", "mm", largest_mm);
@@ -140,7 +140,7 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
             reference,
             ("exponent", "", p),
         ],
-        // From the secant on one side to that on the other.
+        // From the secant stiffness on one side to that on the other.
         Law::Away => vec![
             ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
             ("middle_mm", "mm", p),
@@ -178,18 +178,18 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
     }
 }
 
-/// What slides at a force of its own, N.
+/// Force of an element that slides at a constant force, N.
 fn level((element, strength): &(Element, f64)) -> f64 {
     let [_, n, load, _] = element.shape;
     match element.law {
         Law::BoucWen if load > 0.0 => strength * load.powf(-1.0 / n),
-        // They hold more and more with travel, or at one place, and have no force of their own.
+        // Their force grows with travel, or acts at one place only: they have no constant force.
         Law::BoucWen | Law::SliderAway | Law::SliderAlong => 0.0,
         _ => *strength,
     }
 }
 
-/// What elements beside the strongest hold where they slide, and where the strongest of these yields.
+/// Sliding force of the elements beside the first, and the yield displacement of the strongest of these.
 fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
     let others = || part.iter().filter(|(e, _)| e != first);
     let force: f64 = others().map(level).sum();
@@ -201,7 +201,7 @@ fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
     both.into_iter().flatten().collect()
 }
 
-/// Elements that yield: the force of all together, where the strongest yields, and what changes their force.
+/// Yielding elements: their total force, the yield displacement of the first, and what changes their force.
 fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<NamedValue> {
     let force: f64 = part.iter().map(level).sum();
     let mut all = Vec::new();
@@ -213,7 +213,7 @@ fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<Na
     all
 }
 
-/// What changes the force of elements that slide: the travel, the place, the speed; of the strongest of each law.
+/// What changes the force of sliding elements: travel, place, speed; of the strongest of each law.
 fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     let mut all: Vec<NamedValue> = Vec::new();
     for law in [Law::Worn, Law::Pinched, Law::SliderAway, Law::SliderAlong] {
@@ -242,7 +242,7 @@ fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     all
 }
 
-/// Friction: its force at speed, by how much it is larger at rest, how far it gives before it slides.
+/// Friction: its force at speed, its increase at rest, and its give before it slides.
 fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     let steady = |(e, f): &(Element, f64)| match e.law {
         Law::Stribeck | Law::SliderAlong | Law::SliderAway => 0.0,
@@ -257,7 +257,7 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
         .collect();
     let extra: f64 = falling.iter().map(|(_, f)| f).sum();
     let mut all = Vec::new();
-    // What slides, everywhere; a force that is there at rest alone is called so.
+    // The sliding force, everywhere; a force at rest only is reported as such.
     if force > 0.0 {
         all.push((SLIDING, "N", force));
     } else if extra > 0.0 {
@@ -293,7 +293,7 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     all
 }
 
-/// A declared parameter that has left its tolerance, as the change that it is.
+/// A declared parameter that has left its tolerance, as a change.
 fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec<NamedValue> {
     let Some(i) = Channel::Specimen.parameter_of_error(name) else {
         return Vec::new();
@@ -413,7 +413,7 @@ mod tests {
             let one = fit(vec![(element, -40.0)]);
             let all = figures(name, &[0], &one, &[0.0; DECLARED]);
             assert!(all.contains(&shape), "{name}: {all:?}");
-            // Its strength comes first: by that it is asked whether it is there at all.
+            // Its strength comes first: that shows whether it is present at all.
             assert!(all[0].2.abs() > 0.0, "{name}: {all:?}");
         }
     }

@@ -1,9 +1,9 @@
-//! Elements and declared parameters with their figures.
+//! Elements and declared parameters with their strengths.
 
 use super::element::Element;
 use super::track::{DECLARED, MotionScales};
 
-/// Elements and declared parameters with their strengths.
+/// Elements and declared parameters of a fit.
 #[derive(Clone, Debug)]
 pub struct SpecimenFit {
     /// Stiffness, damping, mass, offset, in the declared units.
@@ -12,8 +12,8 @@ pub struct SpecimenFit {
     pub moved: [bool; DECLARED],
     /// Elements, with their strengths.
     pub elements: Vec<(Element, f64)>,
-    /// Sizes that shapes are measured by.
+    /// Reference sizes for shapes.
     pub sizes: MotionScales,
-    /// Where the displacement is cut off, Hz.
+    /// Cut-off of the displacement, Hz.
     pub cutoff_hz: f64,
 }

@@ -1,4 +1,4 @@
-//! The name of an element, by its shape and not by its equation.
+//! The name of an element, from its shape and not from its equation.
 
 use super::element::{Element, Law};
 use super::track::MotionScales;
@@ -9,7 +9,7 @@ use crate::criteria::{
 use plant::Effect;
 
 impl Element {
-    /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
+    /// Its name, from its shape. `strength` tells a stiffening spring from a softening one.
     pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
         let [p, q, ..] = self.shape;
         let yield_at = p / sizes.x;
@@ -56,8 +56,8 @@ impl Element {
         }
     }
 
-    /// Whether it is a dashpot for all that the motion shows: a force nearly in proportion to speed, or one behind a spring
-    /// that gives way within less than the motion takes for a half of its range.
+    /// True if the motion cannot tell it from a dashpot: a force nearly proportional to speed, or a dashpot behind a
+    /// spring that gives way within less than the time for half of the motion's range.
     pub fn is_dashpot(&self, sizes: &MotionScales) -> bool {
         match self.law {
             Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
@@ -66,7 +66,7 @@ impl Element {
         }
     }
 
-    /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
+    /// True if it yields early enough to be the give of a sliding contact, and late enough to be more than that.
     pub fn may_be_friction(&self, sizes: &MotionScales) -> bool {
         let yield_at = self.yields_at() / sizes.x;
         let most = if self.is_bristles() {
@@ -77,26 +77,26 @@ impl Element {
         self.law.slides() && yield_at > FRICTION_YIELD && yield_at < most
     }
 
-    /// Whether it is Dahl's friction by its equation, Bouc-Wen's with an exponent of 1 and the same rate out and back: a
-    /// material that yields comes back with the stiffness that it went out with.
+    /// True if its equation is close to Dahl's friction, Bouc-Wen's with an exponent of 1 and equal rates out and back:
+    /// a yielding material returns with the stiffness of its loading.
     fn is_bristles(&self) -> bool {
         let [_, n, load, unload] = self.shape;
         self.law == Law::BoucWen && n < BRISTLES && unload > load / 3.0
     }
 
-    /// Whether what is in series with the spring is more a dashpot than friction.
+    /// True if the part in series with the spring is more a dashpot than friction.
     fn relaxes(&self) -> bool {
         self.law == Law::InSeries && self.shape[2] < RELAXES
     }
 
-    /// Where it yields, mm.
+    /// Its yield displacement, mm.
     pub fn yields_at(&self) -> f64 {
         let [yield_at, n, load, _] = self.shape;
         match self.law {
-            // The force that its loading rate leads to, over its first stiffness.
+            // The limiting force of its loading rate, over its initial stiffness.
             Law::BoucWen if load > 0.0 => yield_at * load.powf(-1.0 / n),
             Law::BoucWen => f64::INFINITY,
-            // Half of the force is there at half of the largest give.
+            // The mean of its five yield displacements.
             Law::Distributed => 0.6 * yield_at,
             _ => yield_at,
         }

@@ -1,14 +1,14 @@
-//! Forces with a memory, over a whole motion. Each begins relaxed.
+//! Forces with memory, over a whole motion. Each starts relaxed.
 
 use crate::numbers::operators::slider;
 use crate::numbers::signals::add_scaled;
 
-/// Yield displacements of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
-/// round, they build up as `1 - 2 exp(-travel / yield_at)`.
+/// Yield displacements of five sliders of equal force, relative to their mean: the middles of the fifths of a gamma
+/// distribution of order two. After a reversal they build up as `1 - 2 exp(-travel / yield_at)`.
 const BRISTLES: [f64; 5] = [0.276, 0.569, 0.871, 1.266, 2.018];
 
-/// Bristles that slip one after the other. Turned round they do as Dahl's (A solid friction model, 1968); unlike his they
-/// hold at rest, where noise would lead his down to no force (Dupont et al., Single state elastoplastic friction models, 2002).
+/// Bristles that slip in turn. After a reversal they act like Dahl's (A solid friction model, 1968); unlike his they
+/// hold at rest, where noise would take his to zero (Dupont et al., Single state elastoplastic friction models, 2002).
 pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for of_mean in BRISTLES {
@@ -17,7 +17,7 @@ pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
     sum
 }
 
-/// Five sliders of equal force whose gives are spread evenly up to `most` (Iwan's parallel elements).
+/// Five sliders of equal force whose yield displacements are evenly spaced up to `most` (Iwan's parallel elements).
 pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for i in 1..=5 {
@@ -36,7 +36,7 @@ fn power(z: f64, n: f64) -> f64 {
     }
 }
 
-/// Largest force of an element whose rates let it grow, relative to the unit it is written in.
+/// Largest force of an element whose rates let it grow, in its own unit.
 const MOST: f64 = 50.0;
 
 /// Bouc-Wen: `z' = x' (1 - load |z|^n) / yield_at` on the way out, `x' (1 + unload |z|^n) / yield_at` on the way back.
@@ -48,7 +48,7 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec
     };
     let step = |&x: &f64| {
         let dx = x - last;
-        // The midpoint: an explicit step is off by what a sample moves.
+        // Midpoint rule: an explicit step is off by a sample's motion.
         let there = z + 0.5 * rate(z, dx);
         z = (z + rate(there, dx)).clamp(-MOST, MOST);
         last = x;
@@ -116,7 +116,7 @@ mod tests {
         let yield_at = 0.1;
         let cycle = 4.0 * (1.0 - yield_at);
         assert!((work(&x, &slider(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
-        // Bristles of the same give lose the same, as far as they have bent through at the turn.
+        // Bristles with the same give lose the same, apart from incomplete bending at the turn.
         assert!((work(&x, &bristles(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
     }
 

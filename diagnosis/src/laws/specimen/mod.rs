@@ -1,5 +1,5 @@
-//! A specimen's motion and what acts on it: the displacement without its noise ([`band`], [`curvature`], [`track`]), the force
-//! of an [`element`] of free strength over it ([`laws`], [`shape`], [`kind`]), and its parameters by name ([`figures`]).
+//! A specimen's motion and its forces: the displacement without its noise ([`band`], [`curvature`], [`track`]), the
+//! force of an [`element`] of free strength ([`laws`], [`shape`], [`kind`]), and its parameters by name ([`figures`]).
 
 mod band;
 mod curvature;

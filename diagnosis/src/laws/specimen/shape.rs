@@ -1,15 +1,15 @@
-//! The shape of an element: how it may be moved, and within which bounds.
+//! The shape of an element: how it may change, and its bounds.
 
 use super::element::{Element, Law};
 use super::track::MotionScales;
 use crate::criteria::FRICTION_YIELD;
 
-/// How a shape is moved.
+/// How a shape changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// By factors: it stays positive.
     Log,
-    /// By steps of the given unit.
+    /// By steps of this unit.
     Straight,
 }
 
@@ -17,7 +17,7 @@ pub enum Scale {
 const MOST_GROWTH: f64 = 1.0;
 
 impl Element {
-    /// The shapes that can be moved, and how.
+    /// The shapes that may change, and how.
     pub fn movable(&self) -> &'static [(usize, Scale)] {
         use Scale::{Log, Straight};
         match self.law {
@@ -32,7 +32,7 @@ impl Element {
             | Law::Fatigued
             | Law::Settling => &[(0, Log)],
             Law::Stribeck => &[(0, Log), (1, Log)],
-            // Where it is written in its own rates, the give is the unit of its force.
+            // If it has rates of its own, the give is the unit of its force.
             Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
             Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
             Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
@@ -49,13 +49,13 @@ impl Element {
         }
     }
 
-    /// Whether the shape can be one of its law.
+    /// True if the shape is admissible for its law.
     pub fn is_sound(&self, sizes: &MotionScales) -> bool {
         let [p, q, r, s] = self.shape;
         let x = sizes.x;
         match self.law {
             Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
-            // With a longer give it is Bouc-Wen's.
+            // With a longer give it would be Bouc-Wen's.
             Law::Bristles => (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p),
             Law::Stribeck => (1e-4 * x..=0.5 * x).contains(&p) && q > 1e-3 * sizes.v && q < sizes.v,
             Law::BoucWen => {
@@ -66,7 +66,7 @@ impl Element {
                     && (-0.95..=30.0).contains(&s)
                     && grows > -4.0
             }
-            // Longer yields are springs of unknown state.
+            // Longer yields would be springs of unknown state.
             Law::Distributed => (5e-3 * x..=0.6 * x).contains(&p),
             Law::InSeries => {
                 (1e-3 * x..=0.6 * x).contains(&p)
@@ -87,13 +87,13 @@ impl Element {
                     && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
             }
             Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
-            // What is back at once is a spring that gives way.
+            // If it returned at once it would be a spring that gives way.
             Law::Recentring => (0.02 * x..0.8 * x).contains(&p) && (0.05..0.8).contains(&q),
-            // What holds less is a gap; what bears nowhere, or only where the motion hardly goes, is a slider.
+            // If it held less it would be a gap; if it bore nowhere, or hardly within the motion, a slider.
             Law::SlippingJoint => p.min(q) >= 0.02 * x && p + 0.5 * q < 0.65 * x,
-            // A gap to both sides is no narrower than nothing; a contact on one side stands where the motion goes to and comes from.
+            // A two-sided gap has no negative width; a one-sided contact lies inside the motion's range.
             Law::Beyond if q == 0.0 => (0.0..1e12).contains(&p),
-            // Less damping is what the corner of a motion without its noise feels.
+            // Less damping is only the corner response of a motion without its noise.
             Law::Beyond if s > 0.0 && !(0.05..3.0).contains(&(s * sizes.v / x)) => false,
             Law::Beyond => (p - sizes.middle).abs() < 0.9 * x,
             Law::Away | Law::Square | Law::SizeOfSpeed => true,

@@ -1,4 +1,4 @@
-//! A span as its elements feel it: with what was before it.
+//! A span as its elements experience it, with its past.
 
 use super::band::Band;
 use crate::criteria::specimen::BOTH_SIDES;
@@ -11,31 +11,30 @@ use crate::record::travel;
 
 /// Declared parameters of a specimen: stiffness, damping, mass, offset.
 pub const DECLARED: usize = 4;
-/// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
-/// out.
+/// Look-back, in lengths of the span: what an element remembers from earlier has been wiped out by later motion.
 const LOOK_BACK: f64 = 2.0;
-/// A span with less before it than this share of itself is put before itself.
+/// A span with a past shorter than this fraction of itself is preceded by a copy of itself.
 const LEAST_BEFORE: f64 = 0.1;
-/// Samples that a cycle of the cut-off has at least, where elements with a memory run through it.
+/// Fewest samples per cycle of the cut-off for elements with memory.
 const MOTION_A_CYCLE: f64 = 12.0;
-/// No more samples of the motion for each of the record's.
+/// Most samples of the motion per sample of the record.
 const MOST_FINE: usize = 8;
 /// A motion below this share of its top speed is at rest.
 const AT_REST: f64 = 0.01;
 
-/// Motion, time and force of a span. The motion begins before the span and has more samples than the record where its
-/// cycles have few.
+/// Motion, time and force of a span. The motion begins before the span and is sampled more finely than the record if
+/// its cycles have few samples.
 #[derive(Clone, Debug)]
 pub struct Track {
     /// Interval of the motion's samples, s.
     pub interval_s: f64,
-    /// So many of them for each of the record's.
+    /// Number of these per sample of the record.
     pub fine: usize,
-    /// Displacement, mm, from before the span on.
+    /// Displacement, mm, starting before the span.
     pub x: Vec<f64>,
-    /// Largest displacement before, either way, mm.
+    /// Largest earlier displacement in either direction, mm.
     pub largest_before_mm: f64,
-    /// Travel before the first of `x`, mm; below 0 where that is behind the first sample that is known.
+    /// Travel before the first of `x`, mm; negative if that precedes the first known sample.
     pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
@@ -45,13 +44,13 @@ pub struct Track {
     pub first: usize,
     /// Time of the span's samples, s.
     pub time_s: Vec<f64>,
-    /// Measured force of the span's samples, N; 0 where nobody measured.
+    /// Measured force of the span's samples, N; 0 where nothing was measured.
     pub force: Vec<f64>,
-    /// Samples of the span that nobody measured.
+    /// Unmeasured samples of the span.
     pub unmeasured: Vec<usize>,
 }
 
-/// A span and its displacement before any cut-off.
+/// A span and its displacement, before any cut-off.
 #[derive(Debug)]
 pub struct UnfilteredSpan<'a> {
     recording: &'a Recording,
@@ -61,7 +60,7 @@ pub struct UnfilteredSpan<'a> {
 }
 
 impl<'a> UnfilteredSpan<'a> {
-    /// `None` where a signal is missing.
+    /// `None` if a signal is missing.
     pub fn new(recording: &'a Recording) -> Option<Self> {
         let here = recording.displacement_mm.as_ref()?;
         let force = recording.force_n.as_deref()?;
@@ -85,13 +84,13 @@ impl<'a> UnfilteredSpan<'a> {
         self.recording.interval_s()
     }
 
-    /// Where the motion's band ends, Hz.
+    /// Upper end of the motion's band, Hz.
     pub fn band_hz(&self) -> f64 {
         let x = self.recording.displacement_mm.as_deref();
         band_hz(&self.band, x.unwrap_or_default(), self.interval_s())
     }
 
-    /// A cut-off, Hz, raised where it is inside the motion's band.
+    /// A cut-off, Hz, raised if it is inside the motion's band.
     pub fn past_band_hz(&self, cutoff_hz: f64) -> f64 {
         past(self.band_hz(), cutoff_hz, self.interval_s())
     }
@@ -116,7 +115,7 @@ impl<'a> UnfilteredSpan<'a> {
             force,
             unmeasured,
         };
-        // Noise has a speed, too: a rest is told by its samples, not by one of them.
+        // Noise has a speed, too: several samples decide whether it starts at rest, not one.
         let starts_at_rest = begins_at_rest(&track.x)
             || rest::spans(self.recording)
                 .first()
@@ -128,28 +127,28 @@ impl<'a> UnfilteredSpan<'a> {
     }
 }
 
-/// So many samples of the motion for each of the record's.
+/// Number of samples of the motion per sample of the record.
 fn fine(cutoff_hz: f64, interval_s: f64) -> usize {
     let rate_hz = 1.0 / interval_s;
     let fine = (MOTION_A_CYCLE * cutoff_hz.min(0.5 * rate_hz) / rate_hz).ceil();
     (fine as usize).clamp(1, MOST_FINE)
 }
 
-/// Where the band of a motion ends, Hz. The steps of a coarse converter are no white noise: what does not rise above the floor of an
-/// averaged spectrum is no motion.
+/// Upper end of a motion's band, Hz. The steps of a coarse converter are not white noise: what does not exceed the
+/// floor of an averaged spectrum is not motion.
 fn band_hz(band: &Band, x: &[f64], interval_s: f64) -> f64 {
     let averaged = motion_band_hz(x, interval_s).unwrap_or(f64::INFINITY);
     averaged.min(band.of_motion_hz())
 }
 
-/// A cut-off that is not inside the band of a motion: its accelerations would be missing.
+/// Raises a cut-off out of the band of a motion: otherwise its accelerations would be missing.
 fn past(band_hz: f64, cutoff_hz: f64, interval_s: f64) -> f64 {
     cutoff_hz.max((BAND_ROOM * band_hz).min(0.5 / interval_s))
 }
 
 impl Track {
-    /// The motion of a channel's signals below a cut-off, which is raised where they move faster than it lets through, from their first
-    /// sample on, for a force that is known.
+    /// The motion of a channel's signals below a cut-off, which is raised if they move too fast for it, from their
+    /// first sample on, for a known force.
     pub fn below(s: &Signals, cutoff_hz: f64) -> Self {
         let band = Band::new(&s.reading, s.interval_s);
         let cutoff_hz = past(
@@ -179,8 +178,8 @@ impl Track {
         self.force.len()
     }
 
-    /// Where nothing is known of the time before and the span begins in motion, the span itself up to the sample that is
-    /// most like its first stands for it. A mirror image would add a reversal.
+    /// If the past is unknown and the span begins in motion, prepends the span itself up to the sample that is most
+    /// like its first. A mirror image would add a reversal.
     fn put_before_itself(&mut self) {
         let n = self.len() * self.fine;
         if self.first as f64 > LEAST_BEFORE * n as f64 {
@@ -193,7 +192,7 @@ impl Track {
         }
         let (x0, v0) = (self.x[0], self.v[0]);
         let like = |i: usize| ((self.x[i] - x0) / half).abs() + ((self.v[i] - v0) / top).abs();
-        // Not within the first tenth, which is still the same passage.
+        // Not within the first tenth, which still belongs to the same pass.
         let from = (self.len() / 10).max(1);
         let Some(best) = (from..self.x.len() / self.fine)
             .map(|i| i * self.fine)
@@ -210,13 +209,13 @@ impl Track {
         self.first += best;
     }
 
-    /// A signal of the whole motion over the span alone.
+    /// The part of a whole motion's signal within the span.
     pub fn span_of(&self, whole: &[f64]) -> Vec<f64> {
         let own = whole[self.first..].iter().step_by(self.fine);
         own.copied().collect()
     }
 
-    /// The declared parameters' columns over the whole motion: N for one unit of each parameter.
+    /// Columns of the declared parameters over the whole motion: N for one unit of each parameter.
     pub fn declared_columns(&self) -> [Vec<f64>; DECLARED] {
         [
             self.x.clone(),
@@ -226,7 +225,7 @@ impl Track {
         ]
     }
 
-    /// The same as a column that [`Track::force`] is fitted by, averaged over `every` samples.
+    /// The same as a column for fitting [`Track::force`], averaged over `every` samples.
     pub fn column_of(&self, whole: &[f64], every: usize) -> Vec<f64> {
         let mut own = self.span_of(whole);
         clear(&mut own, &self.unmeasured);
@@ -234,20 +233,20 @@ impl Track {
     }
 }
 
-/// Sizes of a motion that shapes are measured by.
+/// Sizes of a motion, the reference for shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionScales {
     /// Half the range of the displacement, mm.
     pub x: f64,
     /// Middle of that range, mm.
     pub middle: f64,
-    /// Top speed, mm/s: what one sample in two hundred exceeds.
+    /// Top speed, mm/s: exceeded by one sample in two hundred.
     pub v: f64,
     /// Length of all spans, s.
     pub seconds: f64,
     /// Sampling interval, s.
     pub interval_s: f64,
-    /// Way along which all spans go together, mm.
+    /// Total travel of all spans, mm.
     pub travel: f64,
 }
 
@@ -272,8 +271,8 @@ impl MotionScales {
         }
     }
 
-    /// Centre and reach of what has been moved to on both sides, mm: about zero where the motion goes through it, else about
-    /// the middle of the range.
+    /// Centre and reach of the range covered on both sides, mm: about zero if the motion passes through it, otherwise
+    /// about the middle of the range.
     pub fn both_sides(&self) -> [f64; 2] {
         let reach = self.x - self.middle.abs();
         if reach > BOTH_SIDES * self.x {
@@ -284,7 +283,7 @@ impl MotionScales {
     }
 }
 
-/// Samples that are averaged into one: as many as leave enough samples a cycle of the cut-off.
+/// Number of samples averaged into one, leaving enough samples per cycle of the cut-off.
 pub fn thinning(tracks: &[Track], cutoff_hz: f64) -> usize {
     let n: usize = tracks.iter().map(Track::len).sum();
     let rate_hz = 1.0 / tracks[0].interval_s;

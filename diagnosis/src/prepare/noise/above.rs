@@ -1,4 +1,4 @@
-//! Noise of a record without a rest: what lies above the band of the motion, continued below it.
+//! Noise of a record without a rest: the spectrum above the band of the motion, extrapolated below it.
 
 use super::quiet;
 use crate::record::spectrum::{Density, motion_band_hz};
@@ -7,36 +7,36 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::TAU;
 
-/// From so many times the motion's band on, a record is noise.
+/// Multiple of the motion's band above which a record is noise.
 const ABOVE: f64 = 3.0;
-/// Bands above that, whose medians are compared.
+/// Number of bands above that, whose medians are compared.
 const BANDS: usize = 6;
-/// Medians that differ by more are not those of noise alone: harmonics of friction, or a filter before the converter.
+/// Ratio of medians above which they contain more than noise: harmonics of friction, or a filter before the converter.
 const DISAGREE: f64 = 8.0;
-/// A band is so many times as wide as the motion's, to be quiet between two reversals.
+/// Width of a band over that of the motion, enough to be quiet between two reversals.
 const WIDE: f64 = 6.0;
-/// A band that is quieter than this share of its mean at times holds more than noise: either figure is known to a third.
+/// A band whose quiet level is below this fraction of its mean holds more than noise: each figure is known to a third.
 const ALIKE: f64 = 0.7;
-/// Least part of the spectrum that must lie above the motion; where it does not, its last part is guessed from.
+/// Smallest part of the spectrum that must lie above the motion; otherwise its last part gives a guess.
 const ROOM: f64 = 0.2;
-/// Low-passed noise has more below the motion's band than can be seen above it: by so much on average, where the lowest
-/// band is the highest and the spectrum rises further below it.
+/// Low-passed noise is larger below the motion's band than can be seen above it: by this factor in rms, on average, if
+/// the lowest band is the highest and the spectrum keeps rising below it.
 const HIDDEN: f64 = 1.15;
-/// Of an averaged periodogram of 30 windows: its median over its mean.
+/// Median over mean of an averaged periodogram of 30 windows.
 const MEDIAN: f64 = 0.98;
 
-/// Noise as the spectrum above the motion shows it.
+/// Noise as seen in the spectrum above the motion.
 #[derive(Clone, Debug)]
 pub struct Above {
     /// Power density, unit^2 / Hz, from 0 to half the rate.
     density: Vec<f64>,
-    /// Whether the bands agree: else the figure is a guess.
+    /// True if the bands agree; otherwise the figure is a guess.
     pub sure: bool,
 }
 
 impl Above {
-    /// Of a `residual` in the channel's unit beside the motion that went in; with `quiet_hz` as it is at quiet times, and from
-    /// that frequency on. `None` where the record is too short for a spectrum.
+    /// From a `residual` in the channel's unit and the input motion; with `quiet_hz`, as at quiet times, from that
+    /// frequency on. `None` if the record is too short for a spectrum.
     pub fn of(
         residual: &[f64],
         input: &[f64],
@@ -46,7 +46,7 @@ impl Above {
         let motion_hz = motion_band_hz(input, interval_s);
         let seen = Density::of(residual, interval_s)?;
         let (n, bin_hz) = (seen.power.len(), seen.bin_hz);
-        // The last bins lie on the flank of the converter's own filter.
+        // The last bins lie on the slope of the converter's own filter.
         let end = n - n / 20;
         let latest = end.checked_sub(((ROOM * n as f64) as usize).max(BANDS))?;
         let first = motion_hz.map_or(f64::INFINITY, |hz| {
@@ -90,7 +90,7 @@ impl Above {
         })
     }
 
-    /// `n` samples of noise with this density, the same each time.
+    /// `n` samples of noise with this density, the same on each call.
     pub fn sample(&self, n: usize, interval_s: f64) -> Vec<f64> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
         let m = n.max(8);
@@ -98,7 +98,7 @@ impl Above {
         for k in 1..m.div_ceil(2) {
             let place = 2 * k * self.density.len() / m;
             let power = self.density[place.min(self.density.len() - 1)];
-            // A tone of each frequency: its square is half its amplitude's, over a bin of 1 / (m h).
+            // A tone per frequency: its mean square is half its amplitude squared, over a bin of 1 / (m h).
             let size = (0.5 * power / (m as f64 * interval_s)).sqrt();
             let phase = TAU * (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
             bins[k] = Complex::from_polar(size, phase);
@@ -109,14 +109,14 @@ impl Above {
     }
 }
 
-/// Lowers the densities of bands to those at quiet times where these are clearly less.
+/// Lowers the densities of bands to their quiet values, if those are clearly lower.
 fn quieten(
     densities: &mut [f64],
     edges: &[f64],
     residual: &[f64],
     (motion_hz, interval_s): (f64, f64),
 ) {
-    // As wide as it takes to be quiet between two reversals.
+    // Wide enough to be quiet between two reversals.
     let wide = WIDE * motion_hz / (edges[1] - edges[0]);
     let together = (wide.ceil().max(1.0) as usize).min(densities.len());
     let crowded = wide > densities.len() as f64;

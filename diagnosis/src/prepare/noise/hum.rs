@@ -1,7 +1,7 @@
-//! The mains' hum in the reading of a displacement: it is the sensor's, and the specimen does not move with it.
+//! Mains hum in the reading of a displacement: it comes from the sensor, and the specimen does not move with it.
 //!
-//! It has harmonics, and it swells and wanders with what else hangs on the mains: what one line of one size leaves of it is
-//! taken for motion, and grows with the square of its frequency where a mass feels it.
+//! It has harmonics, and its size and phase wander with other loads on the mains. What a single line of constant size
+//! leaves of it would be taken for motion, and grows with the square of its frequency as an inertia force.
 
 use super::{PROMINENT, between_bins, quadratures, without_trend};
 use crate::numbers::linear::{dot, gram};
@@ -10,16 +10,16 @@ use crate::record::spectrum::line_hz;
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Where the mains' line may be, Hz.
+/// Range of the mains line, Hz.
 pub const MAINS_HZ: [f64; 2] = [44.0, 66.0];
-/// Harmonics that are looked for: transformers and rectifiers make even and odd ones.
+/// Number of harmonics considered: transformers and rectifiers make even and odd ones.
 const HARMONICS: usize = 8;
-/// A harmonic is compared with what lies this near to it, Hz.
+/// A harmonic is compared with the spectrum within this distance, Hz.
 const NEAR_HZ: f64 = 6.0;
-/// Half of a window in which a line's size and phase change evenly, s: longer than a cycle, shorter than a swell.
+/// Half of a window in which a line's size and phase change linearly, s: longer than a cycle, shorter than a swell.
 const HALF_WINDOW_S: f64 = 0.25;
 
-/// A displacement without the hum that it shows at rest.
+/// A displacement without the hum seen at rest.
 pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
     let lines = lines_at_rest(x, recording);
     if lines.is_empty() {
@@ -28,7 +28,7 @@ pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
     without(x, recording.interval_s(), &lines)
 }
 
-/// The mains' line and its harmonics that stand in the longest rest, Hz.
+/// The mains line and its harmonics in the longest rest, Hz.
 pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     let h = recording.interval_s();
     let at_rest = crate::record::rest::spans(recording);
@@ -42,7 +42,7 @@ pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     };
     let bin_hz = 1.0 / (still.len() as f64 * h);
     let near = |found: f64, hz: f64| (found - hz).abs() <= 1.5 * bin_hz;
-    // The whole record tells the frequency better, where the motion does not drown it.
+    // The whole record gives the frequency more precisely, unless the motion drowns it.
     let whole = line_hz(x, h, MAINS_HZ[0], MAINS_HZ[1]).filter(|(hz, _)| near(*hz, at_rest_hz));
     let hz = whole.map_or_else(
         || between_bins(&still, h, at_rest_hz),
@@ -53,8 +53,8 @@ pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     below.filter(|hz| stands(&still, h, *hz)).collect()
 }
 
-/// Whether a line of a frequency that is known stands out of what is near it. What is near is whole bins away, where the line itself
-/// has nothing.
+/// True if a line of known frequency stands out from its neighbourhood, which is taken at whole bins' distance, where
+/// the line itself contributes nothing.
 fn stands(still: &[f64], interval_s: f64, line_hz: f64) -> bool {
     let power = |hz: f64| {
         let (c, s) = quadratures(still, interval_s, hz);
@@ -72,7 +72,7 @@ fn stands(still: &[f64], interval_s: f64, line_hz: f64) -> bool {
         .is_some_and(|median| power(line_hz) >= PROMINENT * median)
 }
 
-/// Lines taken off whose sizes and phases change slowly: each window's own, under Hann's windows that overlap by half and add
+/// Removes lines whose sizes and phases change slowly, fitted per window, with half-overlapping Hann windows that add
 /// up to one.
 fn without(x: &[f64], interval_s: f64, lines_hz: &[f64]) -> Vec<f64> {
     let half = (HALF_WINDOW_S / interval_s).round() as usize;
@@ -92,7 +92,7 @@ fn without(x: &[f64], interval_s: f64, lines_hz: &[f64]) -> Vec<f64> {
                 [steady.collect(), growing.collect()]
             })
             .collect();
-        // The motion under them is a straight line for all that a window sees of it.
+        // Within a window the motion beneath them is a straight line.
         let mut all = line.clone();
         all.push((from..end).map(weight).collect());
         all.push((from..end).map(|i| weight(i) * place(i)).collect());

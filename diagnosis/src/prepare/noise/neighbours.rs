@@ -1,6 +1,6 @@
-//! Noise of a record without a rest: what differs between samples at the same place and speed, but at other times. What
-//! the motion brings about is there both times, but for what changes steeply between neighbours; noise of any colour is not (the nearest-neighbour or Gamma test of
-//! Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: a memory differs, too.
+//! Noise of a record without a rest: how samples at one place and speed differ at different times. The motion acts
+//! alike both times, unless steep between neighbours; noise of any colour does not (the nearest-neighbour or Gamma test
+//! of Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: memory differs.
 
 use crate::numbers::linear::{dot, gram};
 use crate::numbers::signals::{add_columns, deviation, mean};
@@ -8,15 +8,15 @@ use crate::record::recording::range;
 use crate::record::spectrum::{motion_band_hz, smooth};
 use nalgebra::DVector;
 
-/// Samples that are compared, at most: all pairs are looked at.
+/// Largest number of samples compared: all pairs are examined.
 const COMPARED: usize = 2000;
-/// Neighbours lie at least this share of the band's period apart.
+/// Smallest distance in time between neighbours, as a fraction of the band's period.
 const APART: f64 = 0.25;
-/// Largest differences that are left out, and the mean square of what is kept of a normal distribution: a force that jumps
-/// at a reversal differs there although nothing is noise.
+/// Fraction of the differences that is kept, and its mean square for a normal distribution: the largest are omitted,
+/// since a force that jumps at a reversal differs there without noise.
 const KEPT: (f64, f64) = (0.9, 0.623);
 
-/// The noise's rms in a residual, at most; `None` where the motion has no band.
+/// Upper bound of the noise rms in a residual; `None` if the motion has no band.
 pub fn rms(residual: &[f64], input: &[f64], interval_s: f64) -> Option<f64> {
     let band_hz = motion_band_hz(input, interval_s)?;
     if range(input) <= 0.0 {
@@ -53,7 +53,7 @@ pub fn rms(residual: &[f64], input: &[f64], interval_s: f64) -> Option<f64> {
     Some((0.5 * mean / KEPT.1).sqrt())
 }
 
-/// Without what a spring, a damper, a mass and an offset make of it: neighbours are near, not the same.
+/// Without the response of a spring, a damper, a mass and an offset: neighbours are near, not the same.
 fn without_linear(mut rest: Vec<f64>, motion: [&Vec<f64>; 3]) -> Option<Vec<f64>> {
     let n = rest.len() as f64;
     let centred = |x: &[f64]| -> Vec<f64> {

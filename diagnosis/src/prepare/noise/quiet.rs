@@ -1,25 +1,25 @@
-//! How loud a band is where it is quiet. Noise is there all the time; what a model lacks comes with the motion: at reversals, at
-//! contacts, at the largest speeds. So of a band's power over time its lower quartile tells the noise's, the mean what both
-//! make. An upper bound: where something acts all the time, its quietest quarter counts as noise.
+//! Level of a band at its quiet times. Noise is always present; what a model lacks comes with the motion: at reversals,
+//! at contacts, at the largest speeds. So the lower quartile of a band's power over time gives the noise, the mean
+//! gives both. It is an upper bound: if something acts all the time, its quietest quarter counts as noise.
 
 use fourier::Complex;
 use std::f64::consts::PI;
 
-/// Share of the time that is looked at: in the rest of it anything may happen.
+/// Fraction of the time that is used: during the rest of it anything may happen.
 const QUIET: f64 = 0.25;
-/// The power of normal noise in a band is distributed exponentially: its quantile there, over its mean.
+/// The power of normal noise in a band is exponentially distributed: its quantile there, over its mean.
 const QUANTILE: f64 = 0.287_682;
-/// The quantile of the square of a normal number there.
+/// That quantile of the square of a normal variable.
 const NORMAL: f64 = 0.101_531;
-/// Mean square of the window over the band, a half sine whose square has no corners at its ends: it is forgotten within
-/// twice the reciprocal of the band's width.
+/// Mean square of the window over the band, a squared half sine without corners at its ends: its response dies out
+/// within twice the reciprocal of the band's width.
 const WINDOW: f64 = 0.375;
-/// Widths of the band within which a window is forgotten.
+/// Time for a window's response to die out, times the band's width.
 const FORGOTTEN: f64 = 2.0;
-/// Fewer windows than this tell no quantile.
+/// Fewest windows that determine a quantile.
 const LEAST_WINDOWS: f64 = 12.0;
 
-/// Power density between two frequencies at quiet times, unit^2 / Hz; `None` where the signal is too short for that band.
+/// Power density between two frequencies at quiet times, unit^2 / Hz; `None` if the signal is too short for the band.
 pub fn density(x: &[f64], interval_s: f64, low_hz: f64, high_hz: f64) -> Option<f64> {
     let n = x.len();
     let width = high_hz - low_hz;
@@ -27,7 +27,7 @@ pub fn density(x: &[f64], interval_s: f64, low_hz: f64, high_hz: f64) -> Option<
     if seconds * width < FORGOTTEN * LEAST_WINDOWS || high_hz * interval_s > 0.5 {
         return None;
     }
-    // Its ends meet: a step there is one more loud time, but a small one.
+    // Join the ends: a step there would be one more loud time; what remains is small.
     let slope = (x[n - 1] - x[0]) / (n - 1) as f64;
     let mut bins: Vec<Complex<f64>> = x
         .iter()
@@ -48,12 +48,12 @@ pub fn density(x: &[f64], interval_s: f64, low_hz: f64, high_hz: f64) -> Option<
     let mut power: Vec<f64> = bins.iter().map(Complex::norm_sqr).collect();
     let at = (QUIET * n as f64) as usize;
     let (_, quiet, _) = power.select_nth_unstable_by(at, f64::total_cmp);
-    // The envelope's square is twice the signal's.
+    // The squared envelope is twice the squared signal.
     Some(*quiet / QUANTILE / (2.0 * WINDOW * width))
 }
 
-/// The variance of white noise that its fourth differences show at quiet times: five samples know nothing of a reversal three
-/// samples off. For motions that hardly leave a band of their own free.
+/// Variance of white noise from fourth differences at quiet times: five samples are unaffected by a reversal three
+/// samples away. For motions that leave hardly any band free.
 pub fn of_differences(x: &[f64]) -> f64 {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let mut squares: Vec<f64> = x.windows(5).map(|w| fourth(w).powi(2)).collect();
@@ -123,7 +123,7 @@ mod tests {
                 .map(|(i, n)| n + jumps(i))
                 .collect();
             let ratio = of_differences(&x).sqrt();
-            // A third of the differences hold a jump: the quietest quarter of all is three eighths of the others.
+            // A third of the differences contain a jump: the quietest quarter of all is three eighths of the others.
             assert!((1.2..1.8).contains(&ratio), "{seed}: {ratio}");
         }
     }

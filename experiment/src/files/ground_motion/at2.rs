@@ -5,10 +5,10 @@ use super::points::{Points, values};
 use crate::failure::Failure;
 use crate::files::table::number;
 
-/// Lines of text before the values, at most.
+/// Largest number of lines of text before the values.
 const HEAD_LINES: usize = 8;
 
-/// True if a file is of this format, whatever its name ends with.
+/// True if a file has this format, whatever its extension.
 pub fn is_at2(text: &str) -> bool {
     let mut head = text.lines().take(HEAD_LINES).map(str::to_uppercase);
     head.any(|line| points_and_interval(&line).is_some())
@@ -17,7 +17,7 @@ pub fn is_at2(text: &str) -> bool {
 /// Reads it.
 ///
 /// # Errors
-/// No line with NPTS and DT, another quantity than an acceleration, a unit that is not known, another number of values.
+/// No line with NPTS and DT, a quantity other than an acceleration, an unknown unit, a different number of values.
 pub fn parse(file: &str, text: &str) -> Result<Points, Failure> {
     let mut unit = None;
     for (i, line) in text.lines().enumerate().take(HEAD_LINES) {
@@ -48,7 +48,7 @@ pub fn parse(file: &str, text: &str) -> Result<Points, Failure> {
     )))
 }
 
-/// As many values as the header says, at an interval above 0.
+/// Checks that there are as many values as the header says, at an interval above 0.
 pub fn checked(
     file: &str,
     points: f64,
@@ -87,7 +87,7 @@ fn points_and_interval(upper: &str) -> Option<(f64, f64)> {
     let words: Vec<&str> = plain.split_whitespace().collect();
     let at = |key: &str| words.iter().position(|w| *w == key);
     let (points, interval) = (at("NPTS")?, at("DT")?);
-    // `.02SEC` is glued in some files.
+    // Some files run the unit together: `.02SEC`.
     let value = |i: usize| number(words.get(i)?.trim_end_matches("SEC"));
     match (value(points + 1), value(interval + 1)) {
         (Some(n), Some(dt)) => Some((n, dt)),

@@ -1,6 +1,6 @@
 //! Numbers as Fortran programs write them: `D` exponents, and no blank before a sign that fills its field.
 
-/// The numbers of a line; of one that cannot be read, its text.
+/// The numbers of a line; for an unreadable one, its text.
 pub fn numbers(line: &str, width: Option<usize>) -> Vec<Result<f64, &str>> {
     let words: Vec<&str> = match width {
         Some(width) => fields(line, width),
@@ -18,7 +18,7 @@ fn number(word: &str) -> Result<f64, &str> {
         .ok_or(word)
 }
 
-/// Fields of a fixed width; blank ones at the end of the line are none.
+/// Fields of a fixed width; blank ones at the end of the line do not count.
 fn fields(line: &str, width: usize) -> Vec<&str> {
     let ascii = line.trim_end();
     (0..ascii.len())
@@ -29,7 +29,7 @@ fn fields(line: &str, width: usize) -> Vec<&str> {
         .collect()
 }
 
-/// Numbers that stand without a blank between them: a sign begins a new one unless it is that of an exponent.
+/// Numbers without a blank between them: a sign begins a new one unless it is that of an exponent.
 fn split_numbers(word: &str) -> Vec<&str> {
     let bytes = word.as_bytes();
     let begins = |at: usize| {
@@ -45,7 +45,7 @@ fn split_numbers(word: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The width of a field in a format such as `(8F10.3)`, where `text` names one.
+/// The field width in a format such as `(8F10.3)`, if `text` names one.
 pub fn width_in(text: &str) -> Option<usize> {
     let upper = text.to_uppercase();
     let inner = upper.rsplit_once('(')?.1.split_once(')')?.0;

@@ -14,21 +14,21 @@ const RATE: &str = "Sampling Freq(Hz)";
 const DURATION: &str = "Duration Time(s)";
 const SCALE: &str = "Scale Factor";
 
-/// Whether a file is of this format, whatever its name ends with.
+/// True if a file has this format, whatever its extension.
 pub fn is_knet(text: &str) -> bool {
     text.starts_with("Origin Time") && labelled(text, SCALE).is_some()
 }
 
-/// The line of a label, counted from 0, and what stands behind it.
+/// The line of a label, counted from 0, and the text after it.
 fn labelled<'a>(text: &'a str, label: &str) -> Option<(usize, &'a str)> {
     let mut head = text.lines().take(HEAD_LINES).enumerate();
     head.find_map(|(i, line)| Some((i, line.strip_prefix(label)?.trim())))
 }
 
-/// Reads it. The mean of the counts, which is the recorder's zero, is taken off.
+/// Reads it. The mean of the counts, which is the recorder's zero, is removed.
 ///
 /// # Errors
-/// A label that is missing or whose value cannot be read, another number of counts than rate and duration give.
+/// A missing label or one with an unreadable value, a number of counts that differs from rate times duration.
 pub fn parse(file: &str, text: &str) -> Result<Points, Failure> {
     let value = |label: &str, read: &dyn Fn(&str) -> Option<f64>, accepted: &str| {
         let (line, said) = labelled(text, label).ok_or_else(|| {
@@ -47,7 +47,7 @@ pub fn parse(file: &str, text: &str) -> Result<Points, Failure> {
     )?;
     let duration_s = value(DURATION, &number, "seconds")?;
     let gal_per_count = value(SCALE, &scale, "a factor such as 7845(gal)/8223790")?;
-    // Read as gal; of the counts each is worth the factor.
+    // Read as gal; each count is then multiplied by the factor.
     let mut acc = values(file, text, HEAD_LINES, None, AccelerationUnit::Gal)?;
     let mean = acc.iter().sum::<f64>() / acc.len().max(1) as f64;
     for a in &mut acc {

@@ -26,14 +26,14 @@ pub struct GroundMotionFile {
     pub interval_s: f64,
 }
 
-/// The strongest that was ever recorded is 4.4 g (Iwate-Miyagi 2008): beyond this the unit is not what the file says.
+/// The strongest ever recorded is 4.4 g (Iwate-Miyagi 2008): above this limit the file's unit must be wrong.
 const STRONGEST_M_PER_S2: f64 = 6.0 * 9.80665;
 
-/// Distances between samples of an accelerogram, s: beyond them the time is in another unit than its name says.
+/// Sampling intervals of accelerograms, s: outside them the time has another unit than its name says.
 const INTERVALS_S: std::ops::RangeInclusive<f64> = 2e-5..=0.5;
 
 impl GroundMotionFile {
-    /// Reads a file by its ending and its first lines.
+    /// Reads a file according to its extension and its first lines.
     ///
     /// # Errors
     /// Anything that cannot be what it says, with the line.
@@ -61,7 +61,7 @@ impl GroundMotionFile {
         Self::of_points(&file, &name.unwrap_or_default(), points)
     }
 
-    /// What the file holds, by its format.
+    /// The contents of the file, according to its format.
     fn points(path: &Path, file: &str, columns: ColumnChoice) -> Result<Points, Failure> {
         let bytes = decode::bytes(path)?;
         if binary::is_binary(&bytes) {
@@ -85,17 +85,17 @@ impl GroundMotionFile {
         }
     }
 
-    /// Times, s, and accelerations, g; `name` is shown.
+    /// From times, s, and accelerations, g; `name` is for display.
     ///
     /// # Errors
-    /// As of a file with the header `time_s,acc_g`.
+    /// As for a file with the header `time_s,acc_g`.
     pub fn of_columns(name: &str, time_s: Vec<f64>, acc_g: Vec<f64>) -> Result<Self, Failure> {
         let names = ["time_s", "acc_g"].map(str::to_owned);
         let table = NumberTable::of_columns(name, "its names", &names, vec![time_s, acc_g])?;
         Self::of_points(name, name, points_of(&table)?)
     }
 
-    /// What a file says, if it can be an earthquake.
+    /// From a file's contents, if they can be an earthquake.
     fn of_points(file: &str, name: &str, points: Points) -> Result<Self, Failure> {
         let acc = points.acc_m_per_s2;
         if acc.len() < 2 {
@@ -137,7 +137,7 @@ fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {
     points_of(&NumberTable::parse(file, text)?)
 }
 
-/// A table with times and accelerations.
+/// From a table with times and accelerations.
 fn points_of(table: &NumberTable) -> Result<Points, Failure> {
     let names: Vec<String> = table.headers.iter().map(|h| h.name(|_| false)).collect();
     let time = names.iter().position(|name| name == "time_s");
@@ -173,7 +173,7 @@ fn points_of(table: &NumberTable) -> Result<Points, Failure> {
     })
 }
 
-/// The variables of a MAT or HDF5 file: a table with times, or one series with what is said beside it.
+/// The variables of a MAT or HDF5 file: a table with times, or one series plus command-line options.
 fn of_variables(table: &NumberTable, columns: ColumnChoice) -> Result<Points, Failure> {
     match (&table.columns[..], columns.interval_s, columns.unit) {
         ([acc], Some(interval_s), Some(unit)) if interval_s > 0.0 && interval_s < 10.0 => Ok(Points {
@@ -207,7 +207,7 @@ fn interval_s(table: &NumberTable, time: &[f64]) -> Result<f64, Failure> {
                 ),
             ));
         }
-        // Published times are rounded, to a tenth of a millisecond at worst.
+        // Published times are rounded, at worst to a tenth of a millisecond.
         if (step - usual).abs() > 0.01 * usual + 1.01e-4_f64.min(0.1 * usual) {
             return Err(table.refuse_row(
                 i + 1,
@@ -219,12 +219,12 @@ fn interval_s(table: &NumberTable, time: &[f64]) -> Result<f64, Failure> {
             ));
         }
     }
-    // The mean of rounded times, rounded back to a tenth of a microsecond.
+    // The mean interval of rounded times, rounded back to a tenth of a microsecond.
     let mean = (time[time.len() - 1] - time[0]) / given.len() as f64;
     Ok((mean * 1e7).round() / 1e7)
 }
 
-/// Accelerations alone, any number of them a line, or time and acceleration in two columns without a header.
+/// Accelerations alone, any number per line, or time and acceleration in two columns without a header.
 fn read_numbers(file: &str, text: &str, columns: ColumnChoice) -> Result<Points, Failure> {
     let Some(unit) = columns.unit else {
         return Err(Failure::input(format!(

@@ -1,10 +1,10 @@
-//! The result of every format: points in m/s^2, and notes on them.
+//! The common result of all formats: points in m/s^2, and notes on them.
 
 use super::fortran;
 use crate::failure::Failure;
 use crate::files::header::unit_named;
 
-/// What is said on the command line about a file that does not say it itself.
+/// Command-line information about a file that lacks it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColumnChoice {
     /// `--dt`, s.
@@ -57,15 +57,15 @@ impl AccelerationUnit {
     }
 }
 
-/// What a file holds.
+/// The contents of a file.
 pub(super) struct Points {
     pub(super) interval_s: f64,
     pub(super) acc_m_per_s2: Vec<f64>,
-    /// The unit that the file itself says; `None`: it was said beside it.
+    /// The unit stated in the file; `None` if it was given separately.
     pub(super) unit: Option<AccelerationUnit>,
 }
 
-/// That something in a line, counted from 0, is not what it should be.
+/// Refuses a line, counted from 0, part of which is not what it should be.
 pub(super) fn refuse_line(file: &str, line: usize, text: &str, accepted: &str) -> Failure {
     let shown: String = text.trim().chars().take(SHOWN).collect();
     let line = line + 1;
@@ -74,7 +74,7 @@ pub(super) fn refuse_line(file: &str, line: usize, text: &str, accepted: &str) -
     ))
 }
 
-/// Letters of a line that a message shows.
+/// Number of a line's characters shown in a message.
 pub(super) const SHOWN: usize = 60;
 
 /// All numbers from line `from`, counted from 0, to the end, in m/s^2.

@@ -10,19 +10,19 @@ use super::points::{Points, refuse_line, values};
 use crate::failure::Failure;
 use crate::files::table::number;
 
-/// A format that `text` has the marks of.
+/// A format whose marks `text` has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// A line that says how many points of acceleration follow, at which interval and in which unit.
+    /// A line that gives the number of acceleration points that follow, their interval and their unit.
     Points,
-    /// The USGS's, with its counts in a header of integers.
+    /// The USGS format, with its counts in a header of integers.
     Smc,
-    /// Lines of `KEY: value`, then one value a line.
+    /// Lines of `KEY: value`, then one value per line.
     Esm,
 }
 
 impl Format {
-    /// Told by its marks.
+    /// Recognised by its marks.
     pub fn of(text: &str) -> Option<Self> {
         let mut lines = text.lines();
         let first = lines.next().unwrap_or("").trim();
@@ -41,7 +41,7 @@ impl Format {
     /// Reads it.
     ///
     /// # Errors
-    /// A header that says less than is needed, or other than the values are.
+    /// A header that contains less than is needed, or contradicts the values.
     pub fn parse(self, file: &str, text: &str) -> Result<Points, Failure> {
         match self {
             Self::Points => points(file, text),
@@ -51,7 +51,7 @@ impl Format {
     }
 }
 
-/// What the line before the values says.
+/// The contents of the line before the values.
 struct PointsLine {
     points: f64,
     interval_s: Option<f64>,
@@ -85,7 +85,7 @@ fn points_line(line: &str) -> Option<PointsLine> {
     })
 }
 
-/// Place of the sampling interval in COSMOS' header of real numbers, counted from 1.
+/// Position of the sampling interval in COSMOS' header of real numbers, counted from 1.
 const COSMOS_INTERVAL: usize = 62;
 
 fn points(file: &str, text: &str) -> Result<Points, Failure> {
@@ -135,7 +135,7 @@ fn cosmos_real(head: &[&str], place: usize) -> Option<f64> {
         .filter(|s| *s > 0.0 && *s < 10.0)
 }
 
-/// Lines of text, of integers and of reals at the head of an SMC file.
+/// Numbers of lines of text, integers and reals at the head of an SMC file.
 const SMC_TEXT: usize = 11;
 const SMC_INTEGERS: usize = 6;
 const SMC_REALS: usize = 10;

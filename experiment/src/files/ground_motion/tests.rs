@@ -14,7 +14,7 @@ fn plain(dt: f64, unit: AccelerationUnit) -> ColumnChoice {
     }
 }
 
-/// As NIED writes them: labels of 18 columns, then eight counts a line.
+/// As NIED writes them: labels of 18 columns, then eight counts per line.
 fn knet(scale: &str, duration_s: usize) -> String {
     let head = [
         ("Origin Time", "2011/03/11 14:46:00"),
@@ -55,7 +55,7 @@ fn knet_is_scaled_from_counts_behind_its_mean() {
     )
     .unwrap();
     assert_eq!((g.interval_s, g.acc_m_per_s2.len()), (0.01, 200));
-    // 4000 counts either side of the recorder's zero.
+    // 4000 counts on either side of the recorder's zero.
     let expected = 4_000.0 * 7845.0 / 8_223_790.0 / 100.0;
     for (i, a) in g.acc_m_per_s2.iter().enumerate() {
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
@@ -96,7 +96,7 @@ fn the_same_motion_in_every_format_is_the_same() {
 
 #[test]
 fn the_networks_formats_hold_the_same_motion() {
-    // 0.1, -0.2 and 0.3 g in cm/s^2, eight fields of ten a line.
+    // 0.1, -0.2 and 0.3 g in cm/s^2, eight fields of ten per line.
     let fixed = "   98.0665 -196.1330  294.1995\n";
     let csmip = format!(
         "CORRECTED ACCELEROGRAM\nstation\n      3 points of accel data equally spaced at  .020 sec, in cm/sec2. \

@@ -72,7 +72,7 @@ fn what_the_header_does_not_say_is_said_beside_it() {
     assert_eq!(of(Some(500.0)).unwrap().time_s, [0.0, 0.002]);
     assert!(of(Some(0.0)).unwrap_err().to_string().contains("--rate 0"));
     assert!(of(None).unwrap_err().to_string().contains("has no time"));
-    // Numbers that say no unit are no times of their own.
+    // Numbers without a unit do not count as times.
     for (name, taken) in [("timestamp", true), ("Time", true), ("time_ms", false)] {
         let text = format!("{name},command_mm,force_n\n7,1,2\n9,3,4\n");
         let rate = Some(500.0);
