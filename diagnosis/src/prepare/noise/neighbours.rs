@@ -1,6 +1,6 @@
-//! Noise of a record without a rest: how samples at one place and speed differ at different times. The motion acts
-//! alike both times, unless steep between neighbours; noise of any colour does not (the nearest-neighbour or Gamma test
-//! of Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: memory differs.
+//! Noise of a record without a rest: what differs between samples at the same place and speed, but at other times. What
+//! the motion brings about is there both times, but for what changes steeply between neighbours; noise of any colour is not (the nearest-neighbour or Gamma test of
+//! Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: a memory differs, too.
 
 use crate::numbers::linear::{dot, gram};
 use crate::numbers::signals::{add_columns, deviation, mean};
