@@ -16,8 +16,8 @@ const COUNT_AS_ONE: f64 = 8.0;
 const AT_MOST: f64 = 16.0;
 
 impl SpecimenData<'_> {
-    /// Has all samples speak against models of one law that leave more than the best one of these, where that leaves noise. Whether
-    /// there are two laws they do not say: a motion without its noise turns a little sooner or later, and a second law takes that.
+    /// Counts all samples as evidence against models of one law that leave more than the best of them, if that leaves
+    /// noise. They cannot tell one law from two: a second law absorbs the timing error of turns in a smoothed motion.
     pub fn weigh_samples(&self, fits: &mut [SpecimenModelFit]) {
         let one = |f: &&SpecimenModelFit| f.terms.len() == 1;
         let near = |f: &SpecimenModelFit| one(&f) && f.evidence.left_rms() < LEAVES_NOISE;
