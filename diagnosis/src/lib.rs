@@ -18,7 +18,7 @@
 //! | `laws` | the equations of what a rig may contain |
 //! | `model` | what is declared, and the answer for a channel |
 //! | `prepare` | what is known before the search: refusals, noise, what the motion can tell |
-//! | `engine` | the one search, score, posterior and verdict |
+//! | `engine` | the only search, score, posterior and verdict |
 //! | `diagnose` | the answer for a channel, several coordinates, a dial, a witness |
 //! | `next` | the test that tells the open causes apart |
 

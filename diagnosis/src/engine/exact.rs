@@ -17,7 +17,7 @@ const AT_MOST: f64 = 16.0;
 
 impl SpecimenData<'_> {
     /// Counts all samples as evidence against models of one law that leave more than the best of them, if that leaves
-    /// noise. They cannot show a second law: it would absorb turns that a motion without its noise makes off time.
+    /// noise. They cannot tell one law from two: a second law absorbs the timing error of turns in a smoothed motion.
     pub fn weigh_samples(&self, fits: &mut [SpecimenModelFit]) {
         let one = |f: &&SpecimenModelFit| f.terms.len() == 1;
         let near = |f: &SpecimenModelFit| one(&f) && f.evidence.left_rms() < LEAVES_NOISE;

@@ -1,17 +1,17 @@
 //! The engine: models a channel as a path, terms and coloured noise, and takes a record to a decision.
 //!
 //! ```text
-//! row, law/  one table of what may be missing: a row a law, a file a family
-//! cutoff     where motion ends and noise begins                   motion     a record as the laws see it: columns
+//! row, law/  the only table of what may be missing: a row per law, a file per family
+//! cutoff     the frequency between motion and noise               motion     a record as the laws see it: columns
 //! gram       their products, block by block                       bounded    least squares within bounds
-//! score      the one measure: blocks of the training data left out
-//! beam       the one search: a set, a term more at a time         search     sets of laws by their products
+//! score      the only measure: left-out blocks of the training data
+//! beam       the only search: a set, one more term at a time      search     sets of laws by their products
 //! polish     a model's shapes at their best                       free       the rival without a name
-//! exact      where a law leaves noise, every sample counts
-//! posterior  the probability of each name                         verdict    what is said of them
-//! settle     the chosen model to the last of the noise            sliding    friction where it slides
-//! unknowns   what a fit may move, and how that varies together    figures    a name's parameters with intervals
-//! asked      what an answer needs of a channel                    one_each   one model a name, for the next test
+//! exact      if a law leaves noise, every sample counts
+//! posterior  the probability of each name                         verdict    the decision on them
+//! settle     the chosen model fitted down to the noise            sliding    friction where it slides
+//! unknowns   what a fit may move, with its covariance             figures    a name's parameters with intervals
+//! asked      what an answer needs from a channel                  one_each   one model per name, for the next test
 //! ```
 //!
 //! The engine expects records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! score = - nu / 2 * mean over 12 blocks of ln(eps^2 + s_b^2) - price
-//! s_b^2 = (mean square residual of block b, fitted to the others, - noise variance) / noise variance, not below 0
+//! s_b^2 = (mean square of block b's residual, fitted to the other eleven, - noise variance) / noise variance, >= 0
 //! ```
 //!
 //! A residual is mostly the error of the law and not noise, and such an error has no sample size. So the whole record,

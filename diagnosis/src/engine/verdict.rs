@@ -51,7 +51,7 @@ pub struct Named<M, N = Effect> {
     pub lead: bool,
 }
 
-/// What can be said of a channel.
+/// The possible verdicts on a channel.
 #[derive(Clone, Debug)]
 pub enum Said<M, N = Effect> {
     /// Nothing is missing.

@@ -76,7 +76,7 @@ impl TestLimits {
             Some(_) => Origin::Declared,
             None => Origin::Record,
         };
-        // If the motion is roughly about zero, take zero as its middle.
+        // Treat a motion that is nearly centred on zero as centred.
         let middle = 0.5 * (high + low);
         let centred = limits.displacement_mm.is_some() || middle.abs() < 0.2 * own;
         let far = if centred { middle.abs() } else { 0.0 };

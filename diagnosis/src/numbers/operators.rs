@@ -69,7 +69,7 @@ pub fn returned(x: &[f64], out: f64, back: f64) -> Vec<f64> {
     x.iter().map(give).collect()
 }
 
-/// Elastic up to `yield_at`, then it slides with force 1.
+/// Elastic up to `yield_at`, then sliding with force 1.
 pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     x.iter()

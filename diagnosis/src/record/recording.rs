@@ -344,7 +344,7 @@ const FIRST: usize = 50;
 /// Largest deviation of a later moment from the first, relative to the rms of position and speed.
 const ALIKE: f64 = 0.15;
 
-/// Whether a signal hardly moves in its first moments.
+/// True if a signal hardly moves in its first moments.
 pub(crate) fn begins_at_rest(x: &[f64]) -> bool {
     range(&x[..(x.len() / FIRST).max(2)]) < AT_REST * range(x)
 }
@@ -527,7 +527,7 @@ mod tests {
         // Position and speed continue as if nothing had been prepended.
         assert!((x[n] - 2.0 * x[n - 1] + x[n - 2]).abs() < 0.02);
         assert!((joined.time_s[n]).abs() < 1e-9);
-        // One that begins at rest needs none, and one with samples before it takes those.
+        // One that begins at rest needs none, and one with earlier samples uses those.
         assert_eq!(wave(500.0).with_run_up(|r| r.displacement_mm.as_ref()).1, 0);
         let late = wave(500.0).span(1.0, 3.0);
         assert_eq!(late.with_run_up(|r| r.displacement_mm.as_ref()).1, 1000);

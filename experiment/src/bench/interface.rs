@@ -38,7 +38,7 @@ pub struct Ending {
     pub by_hand: bool,
     /// Wall-clock time, s.
     pub wall_s: f64,
-    /// What only a board reports.
+    /// Reported only by a board.
     pub board: Option<OnBoard>,
     /// The loop's final estimate of two coupled actuators.
     pub actuators: Option<Plant>,

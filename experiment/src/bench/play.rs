@@ -35,7 +35,7 @@ pub fn play(
     let rate_hz = config.timing.rate_hz;
     let storeys = &config.structure.stiffness_n_per_m[..1];
     let mut rig = Rig::new(&test.plant, storeys, rate_hz, seed).map_err(|e| refuse(&e))?;
-    // The structure is not involved: a single floor, the actuator's.
+    // The structure is not involved: only one of its floors, the actuator's, moves.
     let floors = config.degrees_of_freedom();
     with_floors!(floors, N => {
         let design = Design::<N>::new(&config).map_err(|e| refuse(&e))?;

@@ -79,7 +79,7 @@ impl CoupledFigures {
         }
     }
 
-    /// The unit of a value of `trip`; its fault has `unit` for a length.
+    /// The unit of a value of `trip`: its fault's `unit`, converted for a rotation.
     pub(crate) fn unit_of(trip: Trip) -> &'static str {
         match (axis_name(trip.axis), trip.fault.unit()) {
             (Some("rotation"), "m") => "rad",

@@ -226,7 +226,7 @@ fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledR
 /// What the first limits refer to.
 const ACTUATOR: &str = "worse actuator";
 
-/// The used part of each limit.
+/// The fraction of each limit that a test used.
 fn limits(l: &CoupledLimits, trace: &Trace) -> Vec<LimitUse> {
     let Some(interface) = &trace.interface else {
         return Vec::new();

@@ -74,7 +74,7 @@ impl CoupledCompensation {
         }
     }
 
-    /// By its name.
+    /// The one with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|c| c.name() == name)
     }

@@ -34,7 +34,7 @@ pub struct SiRecording {
     /// Rows in which a quantity has no number, in order, with their refusals: users of columns check
     /// [`SiRecording::gap_in`].
     gaps: Vec<(usize, Failure)>,
-    /// What a row is called in messages.
+    /// What messages call a row.
     row_name: &'static str,
 }
 

@@ -49,7 +49,7 @@ macro_rules! rows {
         $(declared: $declared:expr,)?
         $(correction: $correction:expr,)?
     })*) => {
-        /// A quantity by which a rig departs from an ideal one.
+        /// A quantity in which a rig departs from an ideal one.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Quantity { $($(#[$doc])* $quantity,)* }
 
@@ -108,7 +108,7 @@ rows! {
             "the actuator goes {gain:.4} times as far as it is sent: commands are divided by that"
         )),
     }
-    /// True displacement at command 0, mm. The simulated rig has no key for it: the effect of that name is it.
+    /// True displacement at command 0, mm. The simulated rig has no key for it, only the effect of that name.
     CommandOffset "offset" 0.0 {
         error: (Actuator, Effect::Offset, "offset_mm"),
         simulated: (|_, _| 0.0, |rig, mm| if mm != 0.0 {
@@ -119,7 +119,7 @@ rows! {
             "the actuator stands at {mm:.4} mm for a command of 0: that is taken off the command"
         )),
     }
-    /// Displacement read per true one.
+    /// Displacement read per true displacement.
     DisplacementGain "displacement_gain" 1.0 {
         simulated: (sensors.displacement_gain),
         correction: (1.0, |rig| &mut rig.displacement_gain, |gain| format!(
@@ -127,7 +127,7 @@ rows! {
              by that"
         )),
     }
-    /// Displacement read where the true one is 0, mm.
+    /// Displacement read at a true displacement of 0, mm.
     DisplacementOffset "displacement_offset_mm" 0.0 {
         simulated: (sensors.displacement_offset_mm),
         correction: (1e-3, |rig| &mut rig.displacement_offset_m, |mm| format!(
@@ -135,7 +135,7 @@ rows! {
              reading"
         )),
     }
-    /// Force read per true one.
+    /// Force read per true force.
     ForceGain "force_gain" 1.0 {
         error: (Specimen, Effect::GainError, "error"),
         simulated: (sensors.force_gain),
@@ -153,7 +153,7 @@ rows! {
             "{force_n:.2} N are taken off the force"
         )),
     }
-    /// By how much the force is behind the displacement, ms; negative: the displacement is behind.
+    /// Delay of the force behind the displacement, ms; negative if the displacement is behind.
     ForceLate "skew_ms" 0.0 {
         error: (Specimen, Effect::ChannelSkew, "skew_ms"),
         simulated: (sensors.skew_ms),
@@ -185,7 +185,7 @@ rows! {
         simulated: (each specimen.damping_n_s_per_mm),
         declared: |_, specimen| specimen.damping_n_s_per_mm,
     }
-    /// Sliding friction of the bearings, which the load cell feels, N: of an effect, which the simulated rig keeps.
+    /// Sliding friction of the bearings, felt by the load cell, N: from an effect, which the simulated rig keeps.
     BearingFriction "bearing_friction_n" 0.0 {
         simulated: (|_, _| 0.0, |_, _| ()),
         correction: (1.0, |rig| &mut rig.bearing_friction_n, |force_n| format!(
@@ -193,7 +193,7 @@ rows! {
              model instead"
         )),
     }
-    /// Displacement in which that friction builds up, mm.
+    /// Displacement over which that friction builds up, mm.
     BearingPresliding "bearing_presliding_mm" 0.0 {
         simulated: (|_, _| 0.0, |_, _| ()),
         correction: (1e-3, |rig| &mut rig.bearing_presliding_m, |mm| format!(

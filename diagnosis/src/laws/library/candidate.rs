@@ -92,12 +92,12 @@ pub fn once(_: &Scales) -> Vec<Bound> {
     }]
 }
 
-/// Of any size and sign.
+/// Bounds: any size and sign.
 pub fn any(_: &Scales) -> Vec<Bound> {
     vec![Bound::FREE]
 }
 
-/// Of any size.
+/// Bounds: any size.
 pub fn positive(_: &Scales) -> Vec<Bound> {
     vec![Bound::POSITIVE]
 }
@@ -132,7 +132,7 @@ pub fn hum_columns(s: &Signals, shape: &[f64]) -> Vec<Vec<f64>> {
     ]
 }
 
-/// Four amplitudes of any size and sign.
+/// Bounds of four amplitudes of any size and sign.
 pub fn four(_: &Scales) -> Vec<Bound> {
     vec![Bound::FREE; 4]
 }

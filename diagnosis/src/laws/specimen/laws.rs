@@ -131,7 +131,7 @@ mod tests {
             let own = f[1000 + (1e3 * way) as usize];
             assert!((own - dahl).abs() < 0.05, "{way}: {own} for {dahl}");
         }
-        // At rest, with noise of a tenth of the give, they hold: Dahl's would be at no force within a thousand samples.
+        // At rest, with noise of a tenth of the give, they hold: Dahl's would drop to zero within a thousand samples.
         let rest = (0..11_000).map(|i| 0.5 + 0.01 * f64::from((i * 7919) % 11 - 5) / 5.0);
         let to_rest = (0..500).map(|i| 1e-3 * f64::from(i));
         let f = bristles(&to_rest.chain(rest).collect::<Vec<_>>(), yield_at);

@@ -1,6 +1,6 @@
-//! Noise of a record without a rest: how samples at one place and speed differ at different times. The motion acts
-//! alike both times, unless steep between neighbours; noise of any colour does not (the nearest-neighbour or Gamma test
-//! of Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: memory differs.
+//! Noise of a record without a rest: the difference between samples at the same place and speed at other times. The
+//! motion's effects are equal then, unless steep; noise of any colour is not (the nearest-neighbour or Gamma test of
+//! Stefansson, Koncar and Jones, Neural Computing and Applications 5, 1997, 131). An upper bound: memory differs, too.
 
 use crate::numbers::linear::{dot, gram};
 use crate::numbers::signals::{add_columns, deviation, mean};

@@ -46,7 +46,7 @@ impl AccelerationUnit {
         }
     }
 
-    /// By its name, in lower case.
+    /// The unit with this name, in lower case.
     pub(super) fn named(name: &str) -> Option<Self> {
         match unit_named(name)? {
             "g" => Some(Self::G),
