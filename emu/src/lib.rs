@@ -11,6 +11,7 @@
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
 //!  processor    the emulator's, with what is around it:
+//!  cores        what it has translated, kept over resets and for the next board
 //!  flash        the array behind the flash's controller
 //!  core_bits    a bit that turns over in its registers and its memory
 //!  flips        bits that turn over by themselves in a running test
@@ -31,6 +32,7 @@
 pub mod chain;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod core_bits;
+mod cores;
 mod flash;
 #[cfg(unix)]
 pub mod flips;
