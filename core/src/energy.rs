@@ -128,13 +128,11 @@ impl<const N: usize> EnergyErrors<N> {
                 error_m: error_m(j),
                 force_n: now.force_n[j],
             };
-            let mean_force_n = 0.5 * (last.force_n + here.force_n);
             let moved_m = here.displacement_m - last.displacement_m;
-            let mean_error_m = 0.5 * (last.error_m + here.error_m);
             step.stiffness_j +=
-                0.5 * (self.stiffness_force_n[j] + stiffness_force_n) * now.increment_m[j];
-            step.hsem_j += mean_force_n * (now.increment_m[j] - moved_m);
-            step.modified_j += mean_error_m * (here.force_n - last.force_n);
+                (self.stiffness_force_n[j] + stiffness_force_n) * now.increment_m[j];
+            step.hsem_j += (last.force_n + here.force_n) * (now.increment_m[j] - moved_m);
+            step.modified_j += (last.error_m + here.error_m) * (here.force_n - last.force_n);
             windowed.energy_j[j] =
                 0.5 * (then.error_m + here.error_m) * (here.force_n - then.force_n);
             windowed.moved_m[j] = here.displacement_m - then.displacement_m;
@@ -143,6 +141,14 @@ impl<const N: usize> EnergyErrors<N> {
             }
             self.stiffness_force_n[j] = stiffness_force_n;
             self.past[newest][j] = here;
+        }
+        // Of each product with a mean, twice has been added up.
+        for twice in [
+            &mut step.stiffness_j,
+            &mut step.hsem_j,
+            &mut step.modified_j,
+        ] {
+            *twice *= 0.5;
         }
         self.cumulative[0].add(step.stiffness_j);
         self.cumulative[1].add(step.hsem_j);
@@ -175,7 +181,7 @@ impl<const N: usize> EnergyErrors<N> {
 /// has removed no longer counts; without compensation the numerator is plain HSEM.
 #[derive(Clone, Debug)]
 pub struct Monitor<const N: usize> {
-    stiffness_n_per_m: [f32; N],
+    half_stiffness_n_per_m: [f32; N],
     floor_j: f32,
     input: CompensatedSum,
     correction: CompensatedSum,
@@ -189,7 +195,7 @@ impl<const N: usize> Monitor<N> {
     /// `stiffness_n_per_m` is the diagonal of the declared stiffness; below `floor_j` the ratio is not formed.
     pub fn new(stiffness_n_per_m: [f32; N], floor_j: f32) -> Self {
         Self {
-            stiffness_n_per_m,
+            half_stiffness_n_per_m: stiffness_n_per_m.map(|k| 0.5 * k),
             floor_j,
             input: CompensatedSum::default(),
             correction: CompensatedSum::default(),
@@ -212,16 +218,16 @@ impl<const N: usize> Monitor<N> {
         hsem_j: f32,
     ) {
         let (mut strain_j, mut input_j) = (-0.0, -0.0);
+        let half_m = now.increment_m.map(|du| 0.5 * du);
         for j in 0..N {
-            input_j += 0.5 * (self.load_n[j] + load_n[j]) * now.increment_m[j];
+            input_j += (self.load_n[j] + load_n[j]) * half_m[j];
         }
         self.input.add(input_j);
         for j in 0..actuated::<N>(physical) {
-            let du = now.increment_m[j];
-            self.correction
-                .add(0.5 * (self.correction_n[j] + correction_n[j]) * du);
-            strain_j +=
-                0.5 * self.stiffness_n_per_m[j] * now.displacement_m[j] * now.displacement_m[j];
+            let work_j = (self.correction_n[j] + correction_n[j]) * half_m[j];
+            self.correction.add(work_j);
+            let of_m = now.displacement_m[j];
+            strain_j += self.half_stiffness_n_per_m[j] * of_m * of_m;
         }
         self.load_n = load_n;
         self.correction_n = correction_n;

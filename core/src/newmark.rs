@@ -10,6 +10,7 @@ use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::{Structure, actuated};
 use crate::sum::{CompensatedSum, Split};
+use core::array::from_fn;
 
 /// Constants of the integration, computed once.
 #[derive(Clone, Debug)]
@@ -127,7 +128,7 @@ impl<const N: usize> Newmark<N> {
     /// Predictor velocity per step, Eq 16: `q_{i-1} + s_{i-1}`, m.
     #[inline]
     pub fn predictor_velocity_dt_m(&self) -> [f32; N] {
-        core::array::from_fn(|j| self.q[j].plus(self.s[j]))
+        from_fn(|j| self.q[j].plus(self.s[j]))
     }
 
     /// Moves on to an externally solved target. Velocity and acceleration are central differences, the same as those
@@ -218,11 +219,10 @@ fn solve_with_added_damping<const N: usize>(
         s[0] /= pivot;
         return;
     }
-    let mut m = [[0.0_f32; N]; N];
+    let entry =
+        |i: usize, j: usize| k.flexibility[i][j].value() * added_damping[j] * (0.5 * k.rate_hz);
+    let mut m: [[f32; N]; N] = from_fn(|i| from_fn(|j| entry(i, j)));
     for i in 0..N {
-        for j in 0..physical {
-            m[i][j] = k.flexibility[i][j].value() * added_damping[j] * (0.5 * k.rate_hz);
-        }
         m[i][i] += 1.0;
     }
     for p in 0..physical {

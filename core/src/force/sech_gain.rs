@@ -12,11 +12,12 @@ use core::f32::consts::LOG2_E;
 pub(crate) struct SechGain {
     /// `2 log2(e) omega dt`.
     doubled_omega_dt: f32,
-    gamma: f32,
+    /// `-gamma / 2`.
+    power_of_square: f32,
     /// `(2^f - 1) / f` for `|f| <= 1/2`.
     power: [f32; 5],
-    /// `log2(1 - w / 2) / w` for `0 <= w <= 1`.
-    log: [f32; 7],
+    /// `2 log2(1 - w / 2) / w` for `0 <= w <= 1`.
+    log_square: [f32; 7],
 }
 
 /// `2 x log2 e` beyond which `t` is negligible against 1; below it, neither power needs a test of its own.
@@ -31,7 +32,7 @@ impl SechGain {
     pub const fn new(omega_dt: f32, gamma: f32) -> Self {
         Self {
             doubled_omega_dt: 2.0 * LOG2_E * omega_dt,
-            gamma,
+            power_of_square: -0.5 * gamma,
             power: [
                 2.0 * 0.346_573_5,
                 0.240_222_42,
@@ -39,14 +40,14 @@ impl SechGain {
                 0.009_671_513,
                 0.001_326_472_7,
             ],
-            log: [
-                -0.721_369_85,
-                -0.179_805_05,
-                -0.064_360_47,
-                -0.006_718_045,
-                -0.039_569_64,
-                0.026_636_012,
-                -0.014_812_666,
+            log_square: [
+                2.0 * -0.721_369_85,
+                2.0 * -0.179_805_05,
+                2.0 * -0.064_360_47,
+                2.0 * -0.006_718_045,
+                2.0 * -0.039_569_64,
+                2.0 * 0.026_636_012,
+                2.0 * -0.014_812_666,
             ],
         }
     }
@@ -61,10 +62,10 @@ impl SechGain {
             return self.far(y, velocity_dt_m);
         }
         let w = 1.0 - self.power_of_two(-y);
-        let [a, b, c, d, e, f, g] = self.log;
+        let [a, b, c, d, e, f, g] = self.log_square;
         let square = w * w;
         let log = (a + b * w) + square * (c + d * w) + square * square * ((e + f * w) + square * g);
-        self.power_of_two(-self.gamma * (0.5 * y + w * log))
+        self.power_of_two(self.power_of_square * (y + w * log))
     }
 
     /// The gain if `t` is 0, and at rest.
@@ -75,7 +76,7 @@ impl SechGain {
             // 0/0 at rest, and infinite x at a turning point: the compensation is off in both.
             return 0.0;
         }
-        let exponent = -self.gamma * (0.5 * y - 1.0);
+        let exponent = self.power_of_square * (y - 2.0);
         if exponent < -NOTHING {
             0.0
         } else {

@@ -49,7 +49,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             send_m = self.commands(&aim_m, ground);
         }
         let may_send = self.may_send(sample, &displacement_m, &aim_m, &send_m, stale_steps);
-        self.record(sample, &estimate);
+        let place = self.record(sample, &estimate);
         let command_m = if may_send {
             self.send(actuated::<N>(self.design.physical), next_m, aim_m, send_m)
         } else {
@@ -63,7 +63,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         Step {
             command_m,
             permit: self.mode.permits_motion(),
-            record: self.history.latest(),
+            record: self.history.at(place),
         }
     }
 
@@ -150,8 +150,12 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let k = &self.design;
         let mut added_ratio = 0.0_f32;
         for j in 0..actuated::<N>(k.physical) {
-            let ratio = self.correction.damping[j] * k.per_critical[j];
-            added_ratio = larger(added_ratio, ratio.abs());
+            let ratio = (self.correction.damping[j] * k.per_critical[j]).abs();
+            added_ratio = if j == 0 {
+                ratio
+            } else {
+                larger(added_ratio, ratio)
+            };
         }
         if self.lock.update(added_ratio, k.per_period) > k.limits.locked_damping_ratio {
             self.flags |= flag::LOCKED;
@@ -224,9 +228,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         estimate
     }
 
-    /// Writes the record of this step; the history ends with the step that tripped.
+    /// Writes the record of this step, and says where; the history ends with the step that tripped.
     #[inline(always)] // A call would hand the estimate through memory.
-    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) {
+    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) -> usize {
         let k = &self.design;
         let mut flags = self.flags;
         if self.monitor.ratio() > k.limits.energy_warning {
@@ -239,7 +243,8 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             flags |= flag::CLAMPED;
         }
         let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
-        *self.history.place(!self.mode.is_faulted()) = Record {
+        let place = self.history.advance(!self.mode.is_faulted());
+        *self.history.at_mut(place) = Record {
             tick: self.tick,
             step: self.step,
             flags: self.mode as u32 | fault << 8 | flags,
@@ -263,5 +268,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             energy_ratio: self.monitor.ratio(),
             innovation: estimate.innovation,
         };
+        place
     }
 }

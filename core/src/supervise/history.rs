@@ -35,21 +35,33 @@ impl<const N: usize> History<N> {
 
     /// The place for the record of this step; if not kept, the next step overwrites it.
     #[inline]
-    pub fn place(&mut self, keep: bool) -> &mut Record<N> {
+    pub fn advance(&mut self, keep: bool) -> usize {
         let next = self.newest + 1;
         let slot = if next < SLOTS { next } else { 0 };
         self.latest = slot;
         if keep {
             self.newest = slot;
         }
-        &mut self.slots[slot]
+        slot
+    }
+
+    /// The record at a place that [`advance`](Self::advance) gave.
+    #[inline]
+    pub fn at(&self, place: usize) -> &Record<N> {
+        // No remainder, which costs a multiplication: `advance` keeps it in range.
+        self.slots.get(place).unwrap_or(&self.slots[0])
+    }
+
+    /// The same, to be written.
+    #[inline]
+    pub fn at_mut(&mut self, place: usize) -> &mut Record<N> {
+        &mut self.slots[if place < SLOTS { place } else { 0 }]
     }
 
     /// The record of this step, kept or not.
     #[inline]
     pub fn latest(&self) -> &Record<N> {
-        // No remainder, which costs a multiplication: `place` keeps it in range.
-        self.slots.get(self.latest).unwrap_or(&self.slots[0])
+        self.at(self.latest)
     }
 
     /// The kept records, oldest first.
@@ -85,14 +97,16 @@ mod tests {
             ..Record::EMPTY
         };
         for tick in 0..40 {
-            *history.place(tick < 30) = record(tick);
+            let place = history.advance(tick < 30);
+            *history.at_mut(place) = record(tick);
             assert_eq!(history.latest().tick, tick);
         }
         let ticks: Vec<u32> = history.kept().map(|r| r.tick).collect();
         assert_eq!(ticks, (30 - HISTORY as u32..30).collect::<Vec<_>>());
         history.clear();
         assert_eq!(history.kept().count(), 0);
-        *history.place(true) = record(77);
+        let place = history.advance(true);
+        *history.at_mut(place) = record(77);
         assert_eq!(history.kept().map(|r| r.tick).collect::<Vec<_>>(), [77]);
     }
 }

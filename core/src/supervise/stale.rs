@@ -27,6 +27,9 @@ pub struct StaleWatch<const N: usize> {
     moved_m: [f32; N],
     moved_target_m: [f32; N],
     hidden_motion_m: f32,
+    /// A reading within this of the one before stands; a target beyond that has moved meanwhile.
+    stands_m: f32,
+    far_m: f32,
     steps: u16,
     /// Missing samples, less one for each that came: this also finds a converter that answers only now and then.
     missed: u16,
@@ -53,6 +56,8 @@ impl<const N: usize> StaleWatch<N> {
             moved_m: [f32::NAN; N],
             moved_target_m: [0.0; N],
             hidden_motion_m,
+            stands_m: STANDS * hidden_motion_m,
+            far_m: FAR * hidden_motion_m,
             steps: 0,
             missed: 0,
             standing_steps: 0,
@@ -82,9 +87,8 @@ impl<const N: usize> StaleWatch<N> {
                 self.displacement_m[j] = displacement_m[j];
                 self.target_m[j] = target_m[j];
             }
-            if (displacement_m[j] - self.moved_m[j]).abs() <= STANDS * self.hidden_motion_m {
-                let far_m = FAR * self.hidden_motion_m;
-                stands |= (target_m[j] - self.moved_target_m[j]).abs() > far_m;
+            if (displacement_m[j] - self.moved_m[j]).abs() <= self.stands_m {
+                stands |= (target_m[j] - self.moved_target_m[j]).abs() > self.far_m;
             } else {
                 self.moved_m[j] = displacement_m[j];
                 self.moved_target_m[j] = target_m[j];
