@@ -11,7 +11,7 @@ use experiment::trace::FloorTrace;
 use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
 
-/// For a test that ran away, this multiple of the largest ideal displacement is shown.
+/// For a test that tripped or ran away, this multiple of the largest ideal displacement is shown.
 const SHOWN_BEYOND: f64 = 3.0;
 /// Half the width of a close-up, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
@@ -168,7 +168,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Limits the vertical axis for a test that ran away.
+    /// Limits the vertical axis for a test that tripped or ran away.
     pub(super) fn cut(&self, shape: PlotShape, j: usize) -> PlotShape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {

@@ -198,8 +198,8 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         }
     }
 
-    /// The next step of the test in force gives the record of the one before it; `None` also if no step has come for some
-    /// milliseconds.
+    /// Receives the next step of the test in force and gives the record of the one before it; `None` at the first step, or if
+    /// none has come for some milliseconds.
     ///
     /// # Errors
     /// A lost link; a board that has restarted.

@@ -29,7 +29,7 @@ const VELOCITY_MARGIN: f64 = 3.0;
 const DEVIATIONS: f64 = 7.0;
 /// Share of the planned motion: a force that stays near zero over more than this means a dead load cell.
 const FORCE_STANDS: f64 = 0.25;
-/// Energy of the error over that in the test: the threshold of `check-surveys monitor`.
+/// Energy error over the energy in the test: the threshold of `check-surveys monitor`.
 const ENERGY_TRIP: f64 = 3.0;
 /// Time added to the declared delay, s.
 const STALE_S: f64 = 0.02;

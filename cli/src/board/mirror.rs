@@ -261,8 +261,8 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         *step.record
     }
 
-    /// Tells if the ramp after a fault reaches its end in this step, as the step `after` it shows: the record of a step
-    /// is made before an emergency in it acts, so only the next record tells the two apart.
+    /// Tells if the ramp after a fault goes on in this step and ends in the step `after` it: the record of a step is made
+    /// before an emergency in it acts, so only the next record tells the two apart.
     fn comes_to_its_end(&self, sample: &Sample<N>, after: &StepReport) -> bool {
         let mut outer = self.outer.clone();
         let mut sample = *sample;

@@ -351,8 +351,8 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
             // Nothing was begun, or the beginning failed.
             return self.bring_to_idle();
         };
-        // Done also with a lost link: the board may still hear the PC. A board that does not hear it ends by itself
-        // within 0.5 s.
+        // Done also with a lost link: the board may still hear the PC. A board that does not hear it gives the PC up after
+        // 0.5 s, and drops PERMIT at the end of its ramp.
         let finished = self.finish(&mut test);
         let board_status = match &finished {
             Ok(()) => status(&mut self.board).ok(),

@@ -146,8 +146,8 @@ fn interface(test: &TestFile, part: &CoupledPart) -> Result<Vec<Coordinate>, Fai
     ])
 }
 
-/// Stiffness of the part in the laboratory, row by row, N/m; for two actuators on one coupler also N/rad, N m/m and N
-/// m/rad.
+/// Stiffness of the part in the laboratory, row by row, N/m; for two actuators on one coupler also N/rad, N m/m
+/// and N m/rad.
 pub fn declared_stiffness(test: &TestFile) -> Vec<f64> {
     match &test.coupled {
         None => shear_frame(&test.config.structure.stiffness_n_per_m),

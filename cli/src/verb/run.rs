@@ -76,7 +76,7 @@ impl Run {
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
-        // Reads an existing file before it is opened as an output.
+        // Done first: it reads the existing file, which is refused once that is an output.
         if let Some(file) = &self.archive {
             archive::refuse_to_replace(file)?;
         }
