@@ -1,9 +1,9 @@
-//! `record.h5`: one file with everything that is needed to judge a test and to repeat it.
+//! `record.h5`: one file with everything needed to judge a test and to repeat it.
 //!
-//! HDF5 with MATLAB's conventions, so that it is a MAT file of version 7.3 as well: `h5py.File` and MATLAB's `load` open
-//! it. Every channel is a vector under the name that `record.csv` gives it, time in double and all others in single
-//! precision as the controller has them; `units` names their units. `test_file`, `summary`, `provenance` and `repeat` are
-//! text; `ground_motion_m_per_s2` are the points that were laid under the test.
+//! HDF5 with MATLAB's conventions, so it is also a MAT file of version 7.3: `h5py.File` and MATLAB's `load` open it.
+//! Every channel is a vector with its name in `record.csv`: time in double precision, counts and flags as 32-bit
+//! integers, all others in single precision as the controller has them. `units` names their units. `test_file`,
+//! `summary`, `provenance`, `repeat` and `sha256` are text; `ground_motion_m_per_s2` are the points of the ground motion.
 
 use crate::order_recorder::OperatorOrder;
 use crate::provenance::{Provenance, hash};
@@ -25,33 +25,33 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What has to be given to a test to repeat it, beside the points of its ground motion.
+/// The data needed to repeat a test, besides the points of its ground motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RepeatSettings {
-    /// Version of this list.
+    /// Version of this struct.
     pub format: u32,
-    /// Where it ran.
+    /// Where the test ran.
     pub place: RigKind,
     /// Seed of everything random in a simulated rig.
     pub seed: u64,
-    /// The compensation that was in force.
+    /// The compensation in force.
     pub method: Method,
-    /// What core was configured with.
+    /// The configuration of core.
     pub config: Config,
     /// The simulated rig.
     pub plant: RigSpec,
-    /// What only a test of two coupled actuators has.
+    /// Only for a test of two coupled actuators.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupled: Option<Box<CoupledPart>>,
     /// Name of the ground motion.
     pub record: String,
     /// Length, s of model time.
     pub seconds: f64,
-    /// Factor that the points were multiplied with.
+    /// Factor by which the points were multiplied.
     pub scale: f64,
     /// Interval of the points, s.
     pub interval_s: f64,
-    /// What the operator asked for.
+    /// The operator's requests.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub orders: Vec<OperatorOrder>,
 }
@@ -66,11 +66,11 @@ pub struct FinishedTest<'a> {
     pub experiment: &'a Experiment,
     /// With which compensation.
     pub compensation: Compensation,
-    /// Where.
+    /// Where it ran.
     pub place: RigKind,
-    /// With which seed.
+    /// The seed used.
     pub seed: u64,
-    /// What the operator asked for.
+    /// The operator's requests.
     pub orders: &'a [OperatorOrder],
     /// Its figures.
     pub summary: &'a Summary,
@@ -78,7 +78,7 @@ pub struct FinishedTest<'a> {
     pub trace: &'a Trace,
 }
 
-/// The file's bytes.
+/// The contents of the file.
 ///
 /// # Errors
 /// A test whose numbers a file cannot hold.
@@ -110,7 +110,7 @@ pub fn to_bytes(ran: &FinishedTest<'_>) -> Result<Vec<u8>, Failure> {
         orders: ran.orders.to_vec(),
     };
     let text = json(&repeat)?;
-    // An archive that could not be read back would be found out when it is too late.
+    // A file that cannot be read back would be noticed too late.
     let back: RepeatSettings = serde_json::from_str(&text).map_err(|e| cannot(&e.to_string()))?;
     if back != repeat {
         return Err(cannot("its configuration does not read back as it is"));
@@ -163,7 +163,7 @@ fn write(
     file.finish()
 }
 
-/// SHA-256 of everything in an archive, by its name.
+/// SHA-256 of each item in an archive, by name.
 type Sums = BTreeMap<String, String>;
 
 fn sums_of_texts(texts: &[(&str, String)]) -> Sums {
@@ -208,9 +208,9 @@ fn sum_of_counts(values: &[u32]) -> String {
 /// A test as an archive holds it.
 #[derive(Clone, Debug)]
 pub struct ArchivedTest {
-    /// How to repeat it.
+    /// How to repeat the test.
     pub repeat: RepeatSettings,
-    /// It, ready to run.
+    /// The test, ready to run.
     pub experiment: Experiment,
     /// Its channels, by name.
     pub channels: Vec<(String, Vec<f32>)>,
@@ -218,18 +218,18 @@ pub struct ArchivedTest {
     pub steps: usize,
     /// Flags of every control step.
     pub flags: Vec<u32>,
-    /// Its figures, as `summary.json` has them.
+    /// Its figures, as in `summary.json`.
     pub summary: serde_json::Value,
-    /// What is no longer as it was written, by its name.
+    /// Names of the items that have changed since they were written.
     pub changed: Vec<String>,
     /// The version that wrote it.
     pub version: String,
 }
 
-/// That a file, if there is one, is the archive of a test that can be made again.
+/// Refuses to replace a file, unless it is empty or the archive of a test that can be run again.
 ///
 /// # Errors
-/// Another one, without `--force`.
+/// Any other file, without `--force`.
 pub fn refuse_to_replace(file: &Path) -> Result<(), Failure> {
     let empty = || file.metadata().is_ok_and(|found| found.len() == 0);
     if !file.is_file() || look_ahead::is_forced() || empty() {
@@ -252,7 +252,7 @@ pub fn refuse_to_replace(file: &Path) -> Result<(), Failure> {
 }
 
 impl ArchivedTest {
-    /// What it ran under.
+    /// The compensation in force.
     pub fn compensation(&self) -> Compensation {
         match &self.repeat.coupled {
             None => self.repeat.method.into(),
@@ -264,7 +264,7 @@ impl ArchivedTest {
 /// Reads an archive, or the `record.h5` of a folder that `run --out` wrote.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no archive.
+/// A file that cannot be read, or that is not an archive.
 pub fn load(path: &Path) -> Result<ArchivedTest, Failure> {
     let within = path.join("record.h5");
     let path = if path.is_dir() { &within } else { path };
@@ -344,7 +344,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<ArchivedTest, String> {
     })
 }
 
-/// What is no longer as it was written; nothing where an archive of an earlier version says no sums.
+/// Names of the items that have changed since they were written; none for an archive of an earlier version, which has no sums.
 fn changed(h5: &File, channels: &[(String, Vec<f32>)]) -> Result<Vec<String>, String> {
     let Ok(written) = text_of(h5, "sha256") else {
         return Ok(Vec::new());

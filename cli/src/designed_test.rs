@@ -1,4 +1,4 @@
-//! A test that the diagnosis has designed, as a file that `run` plays.
+//! A test designed by the diagnosis, as a file that `run` plays.
 
 use crate::wording::plan;
 use experiment::failure::Failure;
@@ -14,10 +14,10 @@ pub fn write(path: &Path, next: &diagnosis::Next) -> Result<(), Failure> {
     output::write(path, text(next))
 }
 
-/// The names of its columns.
+/// The header line.
 const HEAD: &str = "time_s,command_mm";
 
-/// True if a text is a designed test, or a signal as bare as one: nothing in it was measured.
+/// True if a text is a designed test, or a signal with the same two columns: nothing in it was measured.
 pub fn is_designed(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     lines.next() == Some(HEAD)

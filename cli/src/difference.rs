@@ -1,8 +1,7 @@
-//! Two tests that ran, side by side: what was set otherwise, their figures, and how far apart their motions are.
+//! Two completed tests side by side: different settings, figures, and the distance between their motions.
 //!
-//! Motions are compared at the integration steps, k-th step with k-th step, as Eqs 17 and 18 compare a test with its
-//! ideal; a hold takes laboratory time and no model time. Where the integration steps differ, the second test is
-//! interpolated between its own.
+//! Motions are compared at the integration steps, k-th with k-th, as Eqs 17 and 18 compare a test with its ideal; a hold
+//! takes laboratory time but no model time. Where the integration steps differ, the second test is interpolated.
 
 use crate::archive::ArchivedTest;
 use experiment::files::channels;
@@ -70,7 +69,7 @@ pub struct Difference {
     pub channels: Vec<ChannelDifference>,
 }
 
-/// The figures that are shown side by side.
+/// The figures shown side by side.
 const FIGURES: [&str; 8] = [
     "verdict",
     "trip",
@@ -83,7 +82,7 @@ const FIGURES: [&str; 8] = [
 ];
 
 impl Difference {
-    /// Of two archived tests.
+    /// Difference of two archived tests.
     pub fn of(first: &ArchivedTest, second: &ArchivedTest) -> Self {
         let (before, after) = (ComparedMotion::of(first), ComparedMotion::of(second));
         let times: Vec<f64> = before.times().take_while(|t| after.reaches(*t)).collect();
@@ -101,13 +100,13 @@ impl Difference {
         }
     }
 
-    /// The largest `rms_of_peak` of the computed displacements: how far the second structure moved otherwise.
+    /// The largest `rms_of_peak` of the computed displacements: how differently the second structure moved.
     pub fn of_displacement(&self) -> Option<f64> {
         let floors = self.channels.iter().filter(|c| c.is_target());
         floors.filter_map(|c| c.rms_of_peak).reduce(f64::max)
     }
 
-    /// What came out, in a sentence.
+    /// The result in one sentence.
     pub fn sentence(&self) -> String {
         let worst = self.channels.iter().filter(|c| c.is_target());
         let worst = worst.max_by(|a, b| {
@@ -134,12 +133,12 @@ impl Difference {
 }
 
 impl ChannelDifference {
-    /// True of the computed displacement of a floor.
+    /// True for the computed displacement of a floor.
     fn is_target(&self) -> bool {
         self.channel.starts_with("target")
     }
 
-    /// True of the channels that a test is about: those of the table in the terminal.
+    /// True for the channels of the table in the terminal.
     pub fn is_motion(&self) -> bool {
         ["target", "displacement", "force", "energy_error_j"]
             .iter()
@@ -159,7 +158,7 @@ impl ChannelDifference {
     }
 }
 
-/// A value as a person would write it.
+/// A value in plain text.
 pub fn plain_text(value: &Value) -> String {
     match value {
         Value::Null => "none".into(),
@@ -168,12 +167,12 @@ pub fn plain_text(value: &Value) -> String {
     }
 }
 
-/// A test at its integration steps.
+/// A test, sampled at its integration steps.
 pub struct ComparedMotion<'a> {
     test: &'a ArchivedTest,
     /// Control steps in which an integration step was solved.
     solved: Vec<usize>,
-    /// s of model time.
+    /// Integration step, s of model time.
     step_s: f64,
 }
 
@@ -198,10 +197,10 @@ impl<'a> ComparedMotion<'a> {
         self.place(time_s).is_some()
     }
 
-    /// The integration step at or before a time, and the share of the way to the next.
+    /// The integration step at or before a time, and the fraction of the interval to the next.
     fn place(&self, time_s: f64) -> Option<(usize, f64)> {
         let at = time_s / self.step_s;
-        // A time that is a step but for the last bits is that step.
+        // A time within rounding of a step is that step.
         let (whole, share) = match at.round() {
             near if (at - near).abs() < 1e-6 => (near, 0.0),
             _ => (at.floor(), at.fract()),
@@ -224,7 +223,7 @@ impl<'a> ComparedMotion<'a> {
         }
     }
 
-    /// The values of a channel; none where the test has no such channel.
+    /// The values of a channel; empty if the test has no such channel.
     pub fn channel(&self, name: &str) -> &'a [f32] {
         let mut channels = self.test.channels.iter();
         let found = channels.find(|(own, _)| own == name);
@@ -261,7 +260,7 @@ impl<'a> ComparedMotion<'a> {
     }
 }
 
-/// How much larger the second value is; infinite where one of them is not a number and the other not the same.
+/// Second value less the first: zero for equal bits, else infinite if one of them is not a number.
 fn difference(first: f64, second: f64) -> f64 {
     match second - first {
         _ if first.to_bits() == second.to_bits() => 0.0,
@@ -289,13 +288,13 @@ fn settings(first: &ArchivedTest, second: &ArchivedTest) -> Vec<ChangedSetting> 
             second,
         })
     });
-    // The compensation in force stands as `method`.
+    // The compensation in force appears as `method`.
     differs
         .filter(|s| s.key != "compensation.kind" && s.key != "format")
         .collect()
 }
 
-/// Every value that is no table, under its path; the tables of a test file without the name that the archive gives them.
+/// Every value that is not a table, with its path; keys under `config` lose that prefix, as in a test file.
 fn flatten(path: String, value: &Value, keys: &mut BTreeMap<String, Value>) {
     let under = |name: &str| match path.as_str() {
         "" if name == "config" => String::new(),

@@ -1,4 +1,4 @@
-//! From a test on a rig with something undeclared in it to the next, better one.
+//! From a test on a rig with something undeclared to the next, better one.
 
 use crate::board::Trajectory;
 use crate::site::TestSite;
@@ -21,11 +21,11 @@ use plant::Channel;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Share of a record, after the rest at its start, that is trained with.
+/// Share of a record, after the rest at its start, that is used for training.
 const TRAINED: f64 = 0.6;
 
-/// Errors of two tests that differ by less than this share are as good as each other: an effect may by chance work against
-/// the actuator's own error, and no correction is held to better.
+/// Two errors that differ by less than this share count as equal: an effect may by chance work against the actuator's own
+/// error, and no correction is expected to do better.
 const SAME: f64 = 0.1;
 
 /// What became of a test with what was found.
@@ -51,7 +51,7 @@ impl ImprovementOutcome {
     }
 }
 
-/// The first test, on the rig as it is: it is there whatever becomes of the rest.
+/// The first test, on the rig as it is. It is kept whatever happens to the rest.
 #[derive(Clone, Debug)]
 pub struct FirstTest {
     experiment: Experiment,
@@ -60,7 +60,7 @@ pub struct FirstTest {
 }
 
 impl FirstTest {
-    /// Runs it.
+    /// Runs the test.
     ///
     /// # Errors
     /// A test that cannot run.
@@ -86,46 +86,46 @@ impl FirstTest {
     }
 }
 
-/// A test that was designed since a diagnosis had left something open.
+/// A test designed because a diagnosis left something open.
 #[derive(Clone, Debug)]
 pub struct DesignedTest {
     /// Its design.
     pub next: Next,
     /// Its record.
     pub played: Played,
-    /// What all records together say.
+    /// The diagnosis of all records together.
     pub diagnosis: Diagnosis,
 }
 
-/// A test, the diagnosis of its record, and the same test with what was found.
+/// A test, the diagnosis of its record, and the same test improved by what was found.
 #[derive(Clone, Debug)]
 pub struct Improvement {
     /// The test as it was declared.
     pub experiment: Experiment,
-    /// What it is compared with.
+    /// The ideal response with which it is compared.
     pub ideal: Response,
-    /// It, on the rig as it is.
+    /// The test on the rig as it is.
     pub before: JudgedRun,
-    /// What its record says alone.
+    /// The diagnosis of its record alone.
     pub first: Diagnosis,
-    /// The tests that were designed to settle what that left open, one after the other.
+    /// The tests designed to settle what that left open, in order.
     pub designed: Vec<DesignedTest>,
-    /// What all records say together.
+    /// The diagnosis of all records together.
     pub diagnosis: Diagnosis,
-    /// What was done about it.
+    /// The changes made to the test.
     pub changes: Vec<String>,
-    /// The test with what was found.
+    /// The test with these changes.
     pub improved: Experiment,
-    /// It, on the same rig.
+    /// The same on the same rig.
     pub after: JudgedRun,
-    /// What the record of the second test says of the improved model.
+    /// The diagnosis of the second test's record, with the improved model.
     pub remains: Diagnosis,
-    /// The first test on a rig without what was undeclared: nothing better can be expected. `None` on a real rig.
+    /// The first test on a rig without anything undeclared, the best possible result. `None` on a real rig.
     pub possible: Option<JudgedRun>,
 }
 
 impl Improvement {
-    /// What follows from a first test. `model` is what is declared.
+    /// The improvement that follows from a first test. `model` is the declared model.
     ///
     /// # Errors
     /// A test that cannot run or was stopped, a record that cannot be judged.
@@ -198,12 +198,12 @@ impl Improvement {
         tests * experiment.control_steps()
     }
 
-    /// What a simulated rig has and nobody declares.
+    /// What the simulated rig has but nobody declares.
     pub fn undeclared(&self) -> String {
         or_nothing(&undeclared(&self.experiment))
     }
 
-    /// What became of the test.
+    /// Whether the improved test is better.
     pub fn outcome(&self) -> ImprovementOutcome {
         let lost = |run: &JudgedRun| run.summary.verdict != summary::TestVerdict::Completed;
         let [before, after] = [&self.before, &self.after].map(|run| run.summary.eps_rms);
@@ -217,7 +217,7 @@ impl Improvement {
         }
     }
 
-    /// What a diagnosis names, in both channels.
+    /// The names that a diagnosis gives, in both channels.
     pub fn named(d: &Diagnosis) -> String {
         let mut names: Vec<&str> = Vec::new();
         for c in &d.channels {
@@ -238,8 +238,8 @@ fn ask(model: &Model, train: &[Recording], held_out: &[Recording]) -> Result<Dia
     diagnosis::diagnose(model, train, held_out, &[]).map_err(Failure::input)
 }
 
-/// Designs and plays tests as long as a channel is open and one would tell something; what they give joins the training
-/// records. A test that the rig ended early is not used, and that is told among the `changes`.
+/// Designs and plays tests as long as a channel is open and a test would be informative; their records join the training
+/// records. A test that the rig ended early is not used, which `changes` then says.
 fn closing_tests(
     (test, model, site, seed): (&TestFile, &Model, &impl TestSite, u64),
     first: &Diagnosis,
@@ -254,7 +254,7 @@ fn closing_tests(
             changes.extend(diagnosis::why_no_test(found));
             break;
         }
-        // Where no motion inside the limits would be more informative, none is made.
+        // No test is made if no motion within the limits would be more informative.
         let next = diagnosis::next(&limited, found, train, held_out).ok();
         let tells = |n: &Next| n.channels.iter().any(|o| o.tells);
         let Some(next) = next.filter(tells) else {
@@ -283,7 +283,7 @@ fn closing_tests(
     Ok(designed)
 }
 
-/// The test on the declared rig, where the simulated one differs from it.
+/// The test on the declared rig, if the simulated one differs from it.
 fn without_what_is_undeclared(experiment: &Experiment) -> Option<Experiment> {
     if undeclared(experiment).is_empty() {
         return None;
@@ -294,7 +294,7 @@ fn without_what_is_undeclared(experiment: &Experiment) -> Option<Experiment> {
     Some(without)
 }
 
-/// A test that nobody stopped.
+/// Refuses a test that somebody stopped.
 fn ran(run: JudgedRun) -> Result<JudgedRun, Failure> {
     match run.summary.verdict {
         summary::TestVerdict::Stopped => Err(Failure::test("was stopped by hand")),
@@ -302,23 +302,24 @@ fn ran(run: JudgedRun) -> Result<JudgedRun, Failure> {
     }
 }
 
-/// What the simulated rig of a test has and nobody declares.
+/// What the simulated rig of a test has but nobody declares.
 fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
     let test = &experiment.test;
     declared::undeclared(&test.config, &test.plant, test.declared.as_ref())
 }
 
-/// A declared parameter that is off by more than so many tolerances is put right, also where nothing else was found.
+/// A declared parameter that is off by more than this many tolerances is corrected, even if nothing else was found.
 const PUT_RIGHT: f64 = 1.0;
 
-/// The declared model with what the next test is to know of each channel, where there is anything, and why something is left out: a
-/// name that is likelier false than the first test was bad is not acted on.
+/// The declared model with what the next test should know of each channel, if anything; and why something is left out: a
+/// name is not used if the probability that it is false exceeds how bad the first test was.
 fn worth_acting_on(
     found: &Diagnosis,
     declared: &Model,
     eps_rms: f64,
 ) -> (Option<Model>, Vec<String>) {
-    // Up to `GOOD_EPS_RMS` a result is as good as other uncertainties, the better the less is to be won; beyond it it is bad.
+    // Below `GOOD_EPS_RMS` a result is as good as other uncertainties allow, and the smaller it is the less can be
+    // gained; beyond, it is bad.
     let bad = (eps_rms / GOOD_EPS_RMS).clamp(LEAST_BAD, 1.0);
     let mut known = found.improved.clone();
     let (mut anything, mut left) = (false, Vec::new());
@@ -353,10 +354,10 @@ fn worth_acting_on(
     (anything.then_some(known), left)
 }
 
-/// No test is so good that a name with the least doubt that is ever given is not acted on.
+/// However good the first test, a name with the least doubt that is ever given is used.
 const LEAST_BAD: f64 = 0.15;
 
-/// What a correction has to know of the displacement's noise, which comes from the record; a filter has its own setting already.
+/// Sets the displacement noise that a correction needs, from the record; a Kalman filter already has its own setting.
 fn set_displacement_noise(found: &Diagnosis, config: &mut Config) {
     let actuator = found
         .channels
@@ -376,10 +377,10 @@ fn or_nothing(names: &[&str]) -> String {
     }
 }
 
-/// Designed tests at most: what two do not settle is not settled by motion.
+/// Largest number of designed tests: what two do not settle, no motion settles.
 pub const DESIGNED: usize = 2;
 
-/// The model with the limits that the test states, where it has none of its own.
+/// The model with the limits of the test where it has none of its own.
 fn with_limits(model: &Model, test: &TestFile) -> Model {
     let stated = &test.config.limits;
     let own = model.limits;
@@ -397,7 +398,7 @@ fn with_limits(model: &Model, test: &TestFile) -> Model {
     }
 }
 
-/// The first part of the record to train with, the last to judge on; the rest before the motion tells the noise.
+/// The first part of the record for training, the last for judging; the rest before the motion gives the noise.
 fn split_record(
     experiment: &Experiment,
     run: &JudgedRun,

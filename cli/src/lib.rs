@@ -2,39 +2,39 @@
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`verb`] | one file a verb of the command line |
+//! | [`verb`] | one file per verb of the command line |
 //! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
 //! | `document` | sentences, tables and plots, for the terminal and for a page |
-//! | `answer` | what each verb answers, as such a document |
-//! | `order_recorder` | what an operator asked of a running test, for its replay |
-//! | `difference` | two tests that ran, side by side |
-//! | `many` | a test over the values of one key, or on drawn rigs |
-//! | [`archive`] | what a test leaves in its folder, for its replay |
-//! | `designed_test` | a test that the diagnosis has designed, as a file |
+//! | `answer` | the result of each verb, as such a document |
+//! | `order_recorder` | the operator's requests in a running test, for its replay |
+//! | `difference` | two completed tests, side by side |
+//! | `many` | a test for many values of a key, or on drawn rigs |
+//! | [`archive`] | a test in one file, for its replay |
+//! | `designed_test` | a test designed by the diagnosis, as a file |
 //! | [`improve`] | a test, the diagnosis of its record, the next test |
 //! | `keys` | every key of a test file, from the code that reads it |
-//! | [`program`] | the command line, and what the program returns |
+//! | [`program`] | the command line, and the exit status |
 //! | `provenance` | who ran what, when, with which files |
-//! | `wording` | what a diagnosis says, in sentences |
+//! | `wording` | a diagnosis in sentences |
 //! | [`site`] | where a test runs: simulated, on a board, on an emulated one |
 //! | [`serve`] | the rig as an element of a finite-element model |
 //! | `scope` | a picture in the browser while a test runs |
 //!
 //! Every mistake of the user is an [`experiment::failure::Failure`]: one sentence and an exit status.
 
-/// Prints a line. That of the standard library panics where standard output cannot be written, for example on a full
-/// disk; this one has the name, so that no line of this crate forgets it.
+/// Prints a line. The standard library's macro panics if standard output cannot be written, for example on a full disk;
+/// this one has the same name, so that no line of this crate uses that one by mistake.
 macro_rules! println {
     () => { $crate::terminal::output::print_line(format_args!("")) };
     ($($text:tt)*) => { $crate::terminal::output::print_line(format_args!($($text)*)) };
 }
 
-/// Prints a line that was asked for by name, such as JSON: `--quiet` leaves it.
+/// Prints a line that was requested by name, such as JSON: `--quiet` does not suppress it.
 macro_rules! answer {
     ($($text:tt)*) => { $crate::terminal::output::print_answer(format_args!($($text)*)) };
 }
 
-/// Prints a line on standard error, or nothing where that cannot be written; the standard library's panics there.
+/// Prints a line on standard error, or nothing if that cannot be written; the standard library's macro would panic.
 macro_rules! eprintln {
     ($($text:tt)*) => { $crate::terminal::output::print_note(format_args!($($text)*)) };
 }

@@ -1,19 +1,19 @@
-//! What the operator asked of a running test and at which control step, so that a replay asks for the same.
+//! The operator's requests in a running test with their control steps, so that a replay makes the same.
 
 use experiment::trace::{AnyRecord, TestObserver};
 use outerloop_core::Event;
 use serde::{Deserialize, Serialize};
 
-/// An order of the operator.
+/// A request of the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OperatorOrder {
-    /// Control steps from the first one of the loop, idle ones included.
+    /// Control steps, counted from the first one of the loop, idle ones included.
     pub control_step: u64,
-    /// What was asked for.
+    /// The requested event.
     pub event: Event,
 }
 
-/// Passes everything on to an observer and records the events that it asks for.
+/// Forwards everything to an observer and records the events that it requests.
 #[derive(Debug)]
 pub struct OrderRecorder<W> {
     observer: W,
@@ -22,7 +22,7 @@ pub struct OrderRecorder<W> {
 }
 
 impl<W> OrderRecorder<W> {
-    /// Nothing is noted yet.
+    /// Nothing is recorded yet.
     pub fn new(observer: W) -> Self {
         Self {
             observer,
@@ -31,7 +31,7 @@ impl<W> OrderRecorder<W> {
         }
     }
 
-    /// All that was asked for, in turn.
+    /// All requests, in order.
     pub fn orders(self) -> Vec<OperatorOrder> {
         self.orders
     }
@@ -61,7 +61,7 @@ impl<W: TestObserver> TestObserver for OrderRecorder<W> {
     }
 }
 
-/// An observer that asks for what an operator once asked for.
+/// An observer that repeats an operator's requests.
 #[derive(Debug)]
 pub struct OrderReplay<'a> {
     control_step: u64,
@@ -69,7 +69,7 @@ pub struct OrderReplay<'a> {
 }
 
 impl<'a> OrderReplay<'a> {
-    /// The same orders at the same control steps.
+    /// With the same requests at the same control steps.
     pub fn new(orders: &'a [OperatorOrder]) -> Self {
         Self {
             control_step: 0,

@@ -1,4 +1,4 @@
-//! The program `outerloop`: its command line, and what it returns.
+//! The program `outerloop`: its command line and its exit status.
 
 use crate::{terminal, verb};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -66,7 +66,7 @@ fn arguments() -> Result<Arguments, clap::Error> {
     Arguments::from_arg_matches(&command.try_get_matches()?)
 }
 
-/// All verbs as they are typed, `run`, `board calibrate`: those of a level before what is below them.
+/// All verbs as typed, `run`, `board calibrate`: those of one level before those of the next.
 fn verbs_below(command: &clap::Command) -> Vec<String> {
     let own = command
         .get_subcommands()
@@ -78,7 +78,7 @@ fn verbs_below(command: &clap::Command) -> Vec<String> {
     own.chain(below).collect()
 }
 
-/// A number below zero is a value that is refused by name, not an unknown option, here and in what is below.
+/// A negative number is a value, refused by name, and not an unknown option; applies to all levels below.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let below: Vec<String> = command
         .get_subcommands()
@@ -91,9 +91,9 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
         })
 }
 
-/// Does what the command line asks for; a program that brings methods of its own calls this when they are registered.
+/// Does what the command line requests. A program with methods of its own calls this after registering them.
 pub fn main() -> ExitCode {
-    // A reader that has seen enough, such as `head`, ends the program and is no error.
+    // A reader that stops early, such as `head`, ends the program without an error.
     sigpipe::reset();
     let arguments = match arguments() {
         Ok(arguments) => arguments,
@@ -142,7 +142,7 @@ pub fn main() -> ExitCode {
     ended(outcome.and_then(|()| terminal::output::finish()))
 }
 
-/// The exit status, with its sentence.
+/// The exit status; prints the failure's sentence.
 fn ended(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,4 +1,4 @@
-//! Who ran what, when, with which files and which program: what an archive has to know of every result.
+//! Who ran what, when, with which files and which program: what an archive must record of every result.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -42,12 +42,12 @@ pub struct Provenance {
 /// The seed of this process.
 static SEED: OnceLock<u64> = OnceLock::new();
 
-/// Everything random in this process comes from `seed`; to be said before results are written.
+/// Notes that everything random in this process comes from `seed`. Call before results are written.
 pub fn note_seed(seed: u64) {
     SEED.get_or_init(|| seed);
 }
 
-/// A result, and where it comes from: what `--json` and summary.json say.
+/// A result and its provenance, as in `--json` and summary.json.
 #[derive(Serialize)]
 pub struct WithProvenance<'a, T> {
     #[serde(flatten)]
@@ -58,7 +58,7 @@ pub struct WithProvenance<'a, T> {
 }
 
 impl<'a, T: Serialize> WithProvenance<'a, T> {
-    /// A result in which nothing is random.
+    /// A result without anything random.
     pub fn of(result: &'a T) -> Self {
         Self {
             result,
@@ -77,11 +77,11 @@ impl<'a, T: Serialize> WithProvenance<'a, T> {
     }
 }
 
-/// Of this process.
+/// The provenance of this process.
 static THIS: OnceLock<Provenance> = OnceLock::new();
 
 impl Provenance {
-    /// Of this process. Files are read when it is asked for the first time, which is before results are written.
+    /// The provenance of this process. Files are read at the first call, which comes before results are written.
     pub fn of_this_run() -> &'static Self {
         THIS.get_or_init(|| {
             let arguments: Vec<String> = std::env::args_os()
@@ -115,7 +115,7 @@ impl Provenance {
 
 /// The program's name and version.
 pub fn version() -> String {
-    // Set where a release is built; a build of one's own is told by the program's hash.
+    // Set when a release is built; any other build is identified by the program's hash.
     match option_env!("OUTERLOOP_COMMIT") {
         Some(commit) => format!("outerloop {} ({commit})", env!("CARGO_PKG_VERSION")),
         None => format!("outerloop {}", env!("CARGO_PKG_VERSION")),
@@ -131,19 +131,19 @@ pub fn hash(bytes: &[u8]) -> String {
 }
 
 fn hash_of(path: &Path) -> Option<String> {
-    // A pipe or a device would be read empty, and what it held is gone.
+    // A pipe or a device would be read to its end, and its data lost.
     path.is_file()
         .then(|| std::fs::read(path).ok())
         .flatten()
         .map(|bytes| hash(&bytes))
 }
 
-/// A command line that a shell takes back.
+/// A command line that a shell accepts again.
 fn command(arguments: &[String]) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
     let words = arguments.iter().enumerate().map(|(i, argument)| {
         let argument = match i {
-            // Where the program lies says nothing.
+            // The program's folder is not relevant.
             0 => Path::new(argument)
                 .file_name()
                 .map_or(argument.as_str(), |n| n.to_str().unwrap_or(argument)),
@@ -158,7 +158,7 @@ fn command(arguments: &[String]) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The arguments that are files: whole, behind a `=`, or before the span of `FILE@T0..T1`.
+/// The arguments that are files: whole, after a `=`, or before the span of `FILE@T0..T1`.
 fn named_files(arguments: &[String]) -> Vec<NamedFile> {
     let mut files: Vec<NamedFile> = Vec::new();
     for argument in arguments.iter().skip(1) {

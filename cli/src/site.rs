@@ -28,23 +28,23 @@ pub enum RigKind {
 
 /// An actuator that was moved alone.
 pub struct MovedActuator {
-    /// Which, from 0.
+    /// Its index, from 0.
     pub actuator: usize,
     /// How many are moved, one after the other.
     pub of: usize,
-    /// What it left.
+    /// Its record.
     pub played: Played,
 }
 
-/// A board and who is asked before it moves.
+/// A board, and the operator who is asked before it moves.
 pub type ConnectedBoard = (BoardConnection, Operator);
 
-/// Where tests run, one after the other: it is known by how its board is reached.
+/// Where tests run, one after the other; defined by the connection to its board.
 pub trait TestSite {
     /// What kind of rig it is.
     fn kind(&self) -> RigKind;
 
-    /// A connection to the board, and who is asked before it moves; `None` for the simulated rig.
+    /// A connection to the board, and the operator who is asked before it moves; `None` for the simulated rig.
     ///
     /// # Errors
     /// A port that cannot be opened; a test that the image cannot run; nobody at the keyboard.
@@ -58,7 +58,7 @@ pub trait TestSite {
     /// Runs a test; see [`Experiment::run`].
     ///
     /// # Errors
-    /// Those of the test, and a rig or board that is not there.
+    /// Those of the test; a rig or board that cannot be reached.
     fn run(
         &self,
         experiment: &Experiment,
@@ -81,7 +81,7 @@ pub trait TestSite {
     /// Moves the first actuator by `trajectory` under the limits of `test`.
     ///
     /// # Errors
-    /// A trajectory beyond a limit that the test states; a rig or board that cannot be set up.
+    /// A trajectory beyond a limit of the test; a rig or board that cannot be set up.
     fn play(
         &self,
         test: &TestFile,
@@ -105,11 +105,11 @@ pub trait TestSite {
         }
     }
 
-    /// Moves actuators of a board by `trajectory` under the limits of `test`: the one that is wanted, from 0, or each in its
-    /// turn. `keep` is given what each has left, and says whether the next one moves.
+    /// Moves actuators of a board by `trajectory` under the limits of `test`: `wanted`, from 0, or each in turn. `keep`
+    /// is given each result; if it fails, the next actuator does not move.
     ///
     /// # Errors
-    /// A trajectory beyond a limit that the test states; a board that cannot be set up; what `keep` says.
+    /// A trajectory beyond a limit of the test; a board that cannot be set up; an error of `keep`.
     fn commission(
         &self,
         test: &TestFile,
@@ -152,7 +152,7 @@ pub trait TestSite {
         Ok(())
     }
 
-    /// The rig, to be served to a model outside; `keep`: every step is kept.
+    /// Serves the rig to an external model; `keep`: every step is kept.
     ///
     /// # Errors
     /// A parameter that is refused; a test that the board cannot serve.

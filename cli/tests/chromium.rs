@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-/// Seconds for which a browser looks on; OUTERLOOP_SCOPE_SECONDS makes them more.
+/// Seconds for which a browser watches; OUTERLOOP_SCOPE_SECONDS changes this.
 const SECONDS: u64 = 8;
 
-/// For what does not come at all: a slow machine may take long.
+/// For events that never come: a slow machine may take long.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A process that ends with the test.
@@ -28,7 +28,7 @@ impl Drop for Ended {
     }
 }
 
-/// Starts `command` and gives the first line of its standard error that holds `mark`.
+/// Starts `command` and gives the first line of its standard error that contains `mark`.
 fn started(command: &mut Command, mark: &str) -> (Ended, String) {
     let mut child = command
         .stdout(Stdio::null())
@@ -66,7 +66,7 @@ impl Page {
                 "GET /json/list HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
             )
             .unwrap();
-            // It keeps the connection open, whatever it is asked.
+            // It keeps the connection open, whatever the request says.
             let wait = Some(Duration::from_millis(300));
             stream.set_read_timeout(wait).unwrap();
             let (mut answer, mut part) = (Vec::new(), [0; 4096]);
@@ -135,7 +135,7 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
-/// A browser with a page, and the folder that it lives in.
+/// A browser with a page, and the folder of its profile.
 fn open_in(chromium: &str, url: &str) -> (Ended, tempfile::TempDir, Page) {
     let profile = tempfile::tempdir().unwrap();
     let (browser, line) = started(
@@ -160,7 +160,8 @@ fn look_on(arguments: &[&str]) {
     let seconds = std::env::var("OUTERLOOP_SCOPE_SECONDS");
     let seconds = seconds.ok().and_then(|s| s.parse().ok()).unwrap_or(SECONDS);
     let emulated = arguments.contains(&"--emulated");
-    // A board takes no ground motion of so many points: there the test goes on ten times slower than the earthquake.
+    // A board has no room for so many points of ground motion, so there the test runs ten times slower than the
+    // earthquake.
     let laboratory_s = seconds * 3 + 60;
     let duration = (if emulated {
         laboratory_s / 10
@@ -180,15 +181,15 @@ fn look_on(arguments: &[&str]) {
             .to_string()
             .contains("not the emergency stop")
     );
-    // A browser that has just started catches up first.
+    // A browser that has just started first has to catch up.
     page.wait("Date.now() - newest.wall_ms < 200");
-    // While it looks on: every step comes, in order, and soon.
+    // While it watches, every step arrives, in order and soon.
     let before = page.value("[steps, Date.now()]");
     let mut latency: Vec<f64> = Vec::new();
     let began = Instant::now();
     while began.elapsed() < Duration::from_secs(seconds) {
         std::thread::sleep(Duration::from_millis(200));
-        // How old the newest message is when the page is asked, at worst: its age and the period between two.
+        // The age of the newest message when the page is asked; at worst its latency plus the period between two.
         latency.push(page.value("Date.now() - newest.wall_ms").as_f64().unwrap());
     }
     let after = page.value("[steps, Date.now()]");
@@ -210,10 +211,10 @@ fn look_on(arguments: &[&str]) {
     }
     assert!(typical < 100.0, "{latency:?}");
     if seconds >= 120 {
-        // Looked at for so long, nothing else may be going on.
+        // This limit requires that the machine does nothing else.
         assert!(latency[latency.len() * 99 / 100] < 100.0, "{latency:?}");
     }
-    // What it draws is there: a picture of one colour would be empty.
+    // The plots are drawn: an empty one would have a single colour.
     let drawn = "[...document.querySelectorAll('canvas')].every(c => { const d = c.getContext('2d').getImageData(60, 0, c.width - 70, c.height).data; return new Set(new Uint32Array(d.buffer)).size > 4 })";
     assert_eq!(page.value(drawn), true, "every plot has a curve");
     if let Some(file) = std::env::var_os("OUTERLOOP_SCREENSHOT") {
@@ -230,7 +231,7 @@ fn look_on(arguments: &[&str]) {
     page.wait("document.getElementById('mode').textContent === 'holding'");
     page.value("document.getElementById('resume').click()");
     page.wait("document.getElementById('mode').textContent === 'running'");
-    // Neither a page of another origin nor a wrong token gets in.
+    // A page of another origin and a wrong token are both refused.
     let (host, token) = url.trim_start_matches("http://").split_once('/').unwrap();
     let token = token.trim_end_matches('/');
     page.ask(
@@ -247,7 +248,7 @@ fn look_on(arguments: &[&str]) {
     page.wait("document.title !== 'foreign' && document.readyState === 'complete'");
     let body = page.value("document.body.innerText").to_string();
     assert!(!body.contains("emergency stop"), "a wrong token: {body}");
-    // A browser that is gone disturbs nothing.
+    // A closed browser disturbs nothing.
     drop(page);
     drop(browser);
     std::thread::sleep(Duration::from_millis(500));
@@ -263,12 +264,12 @@ fn a_plot_of_a_report_is_saved_as_numbers_and_as_a_drawing() {
     let ran = command(&[&test[..], &["--out", out]].concat()).status();
     assert!(ran.unwrap().success());
     let (_browser, _profile, mut page) = open_in(chromium, &format!("file://{out}/report.html"));
-    // A browser may show its empty first page for a moment, and that one is complete, too.
+    // A browser may show its empty first page for a moment, which is also complete.
     page.wait(
         "location.protocol === 'file:' && document.readyState === 'complete'
          && document.querySelectorAll('.plot .save button').length >= 2",
     );
-    // What would go to the disk is kept here, in the order of the buttons.
+    // The files to be saved are kept here, in the order of the buttons.
     let saved = page.value(
         "window.blobs = []; HTMLAnchorElement.prototype.click = () => {};
          URL.createObjectURL = (blob) => { blobs.push(blob); return 'blob:none' };
@@ -298,7 +299,7 @@ fn a_plot_of_a_report_is_saved_as_numbers_and_as_a_drawing() {
     let sound =
         "!new DOMParser().parseFromString(saved[1], 'image/svg+xml').querySelector('parsererror')";
     assert_eq!(page.value(sound), true, "{svg}");
-    // What the page links to lies beside it.
+    // The files that the page links to are next to it.
     let links =
         page.value("[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))");
     for link in links.as_array().unwrap() {
@@ -309,7 +310,7 @@ fn a_plot_of_a_report_is_saved_as_numbers_and_as_a_drawing() {
     }
 }
 
-/// The bytes of base64 without a library: one picture, when a person wants it.
+/// Decodes base64 without a library, for an optional screenshot.
 fn base64(text: &str) -> Vec<u8> {
     let digit = |c: u8| match c {
         b'A'..=b'Z' => c - b'A',

@@ -1,5 +1,5 @@
-//! `outerloop board desk` on the emulated board, with the chip's own converters and with external ones: four wires in place of
-//! a rig, a whole test, and crashes.
+//! `outerloop board desk` on the emulated board, with the chip's own converters and with external ones: four wires in
+//! place of a rig, a whole test, and crashes.
 #![allow(missing_docs)]
 
 mod common;
@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What the emulated board cannot show.
+/// Rows that are not done: the levels of the pins, and a method that the image does not have.
 const NOT_SHOWN: usize = 2;
 
 #[test]
@@ -47,7 +47,7 @@ fn an_image_that_four_wires_make_no_rig_is_refused_in_one_sentence() {
     refused(&words, &["`nucleo_f429zi_3`", "nucleo_f429zi_16"]);
 }
 
-/// A method's cycles beside the model's, which has neither the sample before the step nor the command behind it.
+/// A method's cycles and those of the model, which includes neither sampling nor command output.
 fn stands_beside_the_model(rows: &[Value], method: &str) {
     let begins = format!("{method} for");
     let of_method = |row: &&Value| row["what"].as_str().unwrap().starts_with(&begins);
@@ -64,7 +64,7 @@ fn stands_beside_the_model(rows: &[Value], method: &str) {
     assert!(worst > model && worst < 4 * model, "{found}");
 }
 
-/// All rows of the desk, on the image that is asked for: whose board has this name, and sensors with this highest code.
+/// All rows of the desk on the given image, whose board has this name and this highest sensor code.
 fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().display().to_string();
@@ -88,8 +88,8 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     );
     let rows = found["rows"].as_array().unwrap();
     let with = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count();
-    // Two rates, the saves, the two methods and the pair that the image carries, the whole test, the calibration, eight drills
-    // and the reset pin.
+    // Two rates, the saves, the two methods and the pair that the image has, the whole test, the calibration, eight
+    // drills and the reset pin.
     assert_eq!((with("good"), with("not_done")), (17, NOT_SHOWN), "{text}");
     assert_eq!(rows.len(), 17 + NOT_SHOWN);
 
@@ -107,8 +107,8 @@ fn goes_through(image: &[&str], (board, sensor_top): (&str, u16)) {
     assert!(page.contains("17 rows as they have to be, 0 not, 2 not done"));
 }
 
-/// One test by itself, by the page's own lines and its block of lines for `four-wires.toml`, at a serial port with the emulated board
-/// behind it.
+/// One test by itself, by the page's own lines and its block for `four-wires.toml`, at a serial port with the emulated
+/// board behind it.
 fn as_the_page_says(image: Image, block: usize) {
     let page = std::fs::read_to_string(root().join("docs/desk.md")).unwrap();
     let (_, by_itself) = page.split_once("## One test by itself").unwrap();
@@ -124,7 +124,7 @@ fn as_the_page_says(image: Image, block: usize) {
 
     let (mut outside, inside) = TTYPort::pair().unwrap();
     let port = inside.name().unwrap();
-    // It stays as it is set, raw, while somebody has it open; the tool wants it for itself.
+    // Its raw settings last while it is open here; `inside` is closed, since the tool needs exclusive access.
     let _open = File::open(&port).unwrap();
     drop(inside);
     let ended = AtomicBool::new(false);
@@ -162,7 +162,7 @@ fn as_the_page_says(image: Image, block: usize) {
     assert!(own["steps_received"].as_u64().unwrap() > 1000, "{own}");
 }
 
-/// The board ends with this, however the lines went.
+/// Ends the board when dropped, even if a line fails.
 struct Ends<'a>(&'a AtomicBool);
 
 impl Drop for Ends<'_> {
@@ -171,7 +171,7 @@ impl Drop for Ends<'_> {
     }
 }
 
-/// A line of the page, at this port and in this folder; nobody answers it, and the test is a short one.
+/// Runs a line of the page, at this port and in this folder, without questions and with a short test.
 fn follow(line: &str, port: &str, folder: &Path) {
     let words = line.split(' ').map(|word| match word {
         "/dev/ttyACM0" => port.to_owned(),
@@ -190,7 +190,8 @@ fn follow(line: &str, port: &str, folder: &Path) {
     println!("{said}");
 }
 
-/// The emulated board on its desk, by the wall's clock, at a serial port's other end. What nobody reads is lost, as on any line.
+/// The emulated board on its desk, by the wall clock, at the other end of a serial port. Unread bytes are lost, as on any
+/// line.
 fn be_the_board(image: Image, port: &mut TTYPort, ended: &AtomicBool) {
     let rig = EmulatedRig {
         real_time: true,

@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 
-/// The Python that has OpenSees; `None`, and a line that says so, where it is missing.
+/// The Python that has OpenSees; `None` and a message if it is missing.
 fn python() -> Option<PathBuf> {
     let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     let python = root().join(target).join("opensees/bin/python");
@@ -24,7 +24,7 @@ struct Server(Child, String);
 
 impl Server {
     fn start(test: &str, arguments: &[&str]) -> Self {
-        // A board that has to be built first says so before.
+        // A board that is built first prints other lines before.
         let mut serve = command(&["serve", test, "--once", "--json"]);
         serve.args(["--listen", "127.0.0.1:0"]).args(arguments);
         let (child, mut said, line) = started(serve, "outerloop: serves");
@@ -55,7 +55,7 @@ impl Drop for Server {
     }
 }
 
-/// What a model prints, and the rig's account of it.
+/// The output of a model, and the rig's account of it.
 fn both(python: &Path, model: &str, words: &[&str], server: Server) -> (Value, Value) {
     let out = Command::new(python)
         .arg(model)
@@ -122,7 +122,7 @@ fn a_corner_half_of_which_two_coupled_actuators_hold_moves_as_in_opensees_alone(
         number("peak_m") > 0.02 && number("peak_rad") > 0.005,
         "{model}"
     );
-    // The noise of the readings, which a model that is sent back sums up.
+    // The noise of the readings, which a model in closed loop accumulates.
     assert!(
         number("apart_x") < 2e-3 && number("apart_rotation") < 2e-2,
         "{model}"
@@ -183,7 +183,7 @@ fn a_model_in_opensees_that_is_sometimes_late_is_waited_for() {
     assert!(rig["late_targets"].as_u64().unwrap() >= 5, "{rig}");
     let longest = rig["longest_late_ms"].as_f64().unwrap();
     assert!((30.0..120.0).contains(&longest), "{rig}");
-    // An ideal actuator passes each target as it is: a late model costs time, not accuracy.
+    // An ideal actuator passes exactly through each target: a late model costs time, not accuracy.
     assert!(model["apart"].as_f64().unwrap() < 1e-5, "{model}");
 }
 
@@ -204,13 +204,13 @@ fn a_steel_frame_with_its_brace_in_the_laboratory_is_the_frame_with_its_own_brac
     let words = ["--seconds", "10"];
     let (model, rig) = both(&python, "examples/opensees/frame.py", &words, server);
     assert_eq!(rig["verdict"], "completed", "{rig}");
-    // The brace yields, so that bilinear hysteresis here and Steel01 there are compared, too.
+    // The brace yields, so the bilinear hysteresis here and Steel01 there are also compared.
     assert!(model["peak_m"].as_f64().unwrap() > 0.009, "{model}");
     assert!(model["eps_max"].as_f64().unwrap() < 1e-6, "{model}");
 }
 
-/// A frame whose brace is behind the emulated board: the flashed image, its converters, a yielding specimen on an actuator
-/// that is 12 ms late.
+/// A frame whose brace is behind the emulated board: the flashed image, its converters, a yielding specimen on an
+/// actuator with a delay of 12 ms.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn a_steel_frame_with_its_brace_behind_the_emulated_board_completes_and_every_step_is_proven() {
@@ -231,7 +231,7 @@ fn a_steel_frame_with_its_brace_behind_the_emulated_board_completes_and_every_st
     assert_eq!(board["steps_different"], 0, "every bit is worked out again");
     assert!(board["steps_received"].as_u64().unwrap() > 40_000, "{rig}");
     assert_eq!(board["timing"]["overruns"], 0);
-    // The brace yields; converters of 12 bits and a compensated delay leave a per cent.
+    // The brace yields; converters of 12 bits and a compensated delay leave a few per cent.
     assert!(model["peak_m"].as_f64().unwrap() > 0.008, "{model}");
     assert!(model["eps_rms"].as_f64().unwrap() < 0.03, "{model}");
     let energy = rig["energy_ratio"].as_f64().unwrap();

@@ -14,10 +14,10 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-/// For what does not come at all: a slow machine may take long.
+/// For events that never come: a slow machine may take long.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A test of 8 s in real time with its scope.
+/// A test in real time with its scope.
 struct Running {
     child: Child,
     host: String,
@@ -139,10 +139,10 @@ fn every_step_of_twelve_channels_arrives_in_time_and_no_peak_is_lost() {
     let account = running.account();
     assert_eq!(account["steps"], 12_000);
     assert!(steps >= 12_000, "{steps}");
-    // Six digits travel.
+    // Values are sent with six digits.
     let true_peak = account["peak_displacement_m"].as_f64().unwrap() * 1e3;
     assert!((peak / true_peak - 1.0).abs() < 1e-5, "{peak} {true_peak}");
-    // A message is written every 20 ms; the worst few belong to a machine that builds something else beside.
+    // A message is sent every 20 ms; the worst few are due to other load on the machine.
     latency.sort_by(f64::total_cmp);
     assert!(latency[latency.len() * 9 / 10] < 100.0, "{latency:?}");
 }
@@ -187,7 +187,7 @@ fn without_the_token_or_from_another_origin_nothing_is_read_or_pressed() {
     for (path, name) in [
         ("/".to_owned(), host.as_str()),
         (format!("/{wrong}/"), &host),
-        // A name that somebody else has given this address.
+        // A foreign name for this address.
         (format!("/{token}/"), "rebound.example:80"),
     ] {
         let (status, body) = running.get(&path, name);
@@ -225,7 +225,7 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
     };
     let message = wait(&mut socket, "running");
     assert_eq!(message["allowed"], serde_json::json!(["hold", "stop"]));
-    // What means nothing now, or nothing at all, does nothing.
+    // Requests that do not apply now, or are unknown, have no effect.
     for nothing in ["resume", "clear", "arm", "{}"] {
         socket.send(Message::text(nothing)).unwrap();
     }
@@ -234,7 +234,7 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
     assert_eq!(message["allowed"], serde_json::json!(["stop", "resume"]));
     let step = message["step"].as_u64().unwrap();
     std::thread::sleep(Duration::from_millis(300));
-    // Another browser, closed in the middle of everything.
+    // Another browser, closed during the test.
     drop(running.own_socket());
     socket.send(Message::text("resume")).unwrap();
     let message = wait(&mut socket, "running");
@@ -255,7 +255,7 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
     assert_eq!(found["steps"], summary["steps"]);
 }
 
-/// The record of a test that was stopped by hand, and its verdict.
+/// Checks the record of a test that was stopped by hand, and its verdict.
 fn is_kept(out: &Path) -> Value {
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&summary).unwrap();
@@ -288,7 +288,7 @@ fn signals_stop_a_simulated_test_and_its_record_is_kept() {
     }
 }
 
-/// Verbs that run many tests say how many were done and report them.
+/// Verbs that run many tests report how many were done, and their results.
 #[test]
 #[cfg(unix)]
 fn a_signal_leaves_the_tests_that_are_done() {
@@ -332,7 +332,8 @@ fn a_signal_leaves_the_tests_that_are_done() {
     }
 }
 
-/// SIGTERM, on the flashed image: every step until then is there, and again in a replay. What the board does meanwhile: `emu/tests/rig/stopped.rs`.
+/// SIGTERM, on the flashed image: every step so far is recorded, and repeated by a replay. The board's side:
+/// `emu/tests/rig/stopped.rs`.
 #[test]
 #[cfg(unix)]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]

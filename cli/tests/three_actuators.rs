@@ -1,4 +1,4 @@
-//! The image for three actuators, whose delays differ, as a person uses it: commissioning, and a test behind a predictor.
+//! The image for three actuators with different delays, as a person uses it: commissioning, and a test with a predictor.
 #![allow(missing_docs)]
 
 mod common;
@@ -7,10 +7,10 @@ use common::{command, narrow, root};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What the simulated actuators are, ms.
+/// Delays of the simulated actuators, ms.
 const LATE_MS: [f64; 3] = [4.0, 6.0, 9.0];
 
-/// The example with three actuators, which differ.
+/// The example with three actuators that differ.
 fn test_file(folder: &Path) -> PathBuf {
     let example = std::fs::read_to_string(root().join("examples/three-storey.toml")).unwrap();
     let each = format!("\ndelay_ms = {LATE_MS:?}");
@@ -21,7 +21,7 @@ fn test_file(folder: &Path) -> PathBuf {
     file
 }
 
-/// What leaves the board is what the predictor sent ahead, each actuator by its own delay, and not the target.
+/// The board's output is the predictor's command, each actuator with its own delay, and not the target.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn what_is_sent_ahead_of_a_target_is_no_dead_output() {
@@ -43,7 +43,7 @@ fn what_is_sent_ahead_of_a_target_is_no_dead_output() {
     assert!(off_m < 1e-4, "{off_m}");
 }
 
-/// The board's time is its own: the archive holds all that repeats it.
+/// The board's time is its own: the archive has everything needed to repeat it.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn an_archived_test_on_an_emulated_board_is_replayed_to_the_bit() {
@@ -76,7 +76,7 @@ fn three_actuators_of_the_emulated_board_are_each_found() {
     assert!(!text.contains("are replaced"), "it is its own file");
     let said = narrow::seen(&text);
 
-    // What is to be written into the test file.
+    // The lines for the test file.
     let line = said
         .iter()
         .find_map(|l| l.strip_prefix("compensation.delay_ms = "));
@@ -85,7 +85,7 @@ fn three_actuators_of_the_emulated_board_are_each_found() {
     for (found, truth) in told.iter().zip(LATE_MS) {
         assert!((found - truth).abs() < 0.1, "{found} of {truth} ms");
     }
-    // Each recording, and each column of the stiffness of the frame, of 797.3 kN/m a storey.
+    // Each recording, and each column of the frame's stiffness, 797.3 kN/m per storey.
     let kept: toml::Table = std::fs::read_to_string(at("chirp-actuators.toml"))
         .unwrap()
         .parse()

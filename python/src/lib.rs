@@ -1,7 +1,7 @@
 //! `outerloop._native`: the PC tool's library in Python's terms. What Python users see is `outerloop/__init__.py`.
 //!
-//! Nothing is decided here: files, tests and diagnoses are those of the program `outerloop`, and what it refuses is raised
-//! as `Refused` with its sentence. Python's other threads run while a test does.
+//! Nothing is decided here: files, tests and diagnoses are those of the program `outerloop`, and its refusals are raised
+//! as `Refused` with their sentence. Python's other threads run during a test.
 
 use diagnosis::Recording;
 use experiment::Experiment;
@@ -60,7 +60,7 @@ enum Recorded<'py> {
     Columns(Vec<(String, PyReadonlyArray1<'py, f64>)>),
 }
 
-/// Recordings, and whether all of their forces are in newtons.
+/// Recordings, and whether the forces of all of them are in newtons.
 fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
     let mut library = RecordFiles::default();
     let (mut parts, mut has_unit) = (Vec::new(), true);
@@ -191,7 +191,7 @@ fn identify<'py>(
     recording: Recorded<'py>,
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
     let (parts, _) = recordings(std::slice::from_ref(&recording))?;
-    // Of a record with gaps the longest piece.
+    // Of a record with gaps, only the longest piece.
     let longest = parts.iter().max_by_key(|p| p.time_s.len());
     let longest = longest.ok_or_else(|| Refused::new_err("no record"))?;
     let found = py.detach(|| diagnosis::identify(longest));

@@ -1,4 +1,4 @@
-//! What a board is, and how it stands.
+//! A board's identity and status.
 
 use crate::board::describe_words;
 use crate::document::{Document, Grade};
@@ -8,7 +8,7 @@ use link::reply::Identity;
 use link::status::{Status, WatchStatus};
 use outerloop_core::coupled::INTERFACE_AXIS;
 
-/// What it is: firmware, clocks, and what it has room for.
+/// Its identity: firmware, clocks and capacities.
 pub fn of_identity(identity: &Identity) -> Document {
     let mut d = Document::new("What a board is", "As it says itself.", true);
     let (version, mhz) = (&identity.version, f64::from(identity.clock_hz) / 1e6);
@@ -25,7 +25,7 @@ pub fn of_identity(identity: &Identity) -> Document {
     d
 }
 
-/// How it stands: everything that is worth watching, a sentence each.
+/// Its status, one sentence for each item.
 pub fn of_status(identity: &Identity, status: &Status) -> Document {
     let lead = format!("{} with firmware {}.", identity.board, identity.version);
     let mut d = Document::new("How a board stands", lead, true);
@@ -103,7 +103,7 @@ pub fn of_status(identity: &Identity, status: &Status) -> Document {
     d
 }
 
-/// What each actuator's transducer and load cell read.
+/// The readings of each actuator's transducer and load cell.
 fn readings(d: &mut Document, identity: &Identity, status: &Status) {
     let reading = |line: link::channel::ChannelCalibration, code: u16| {
         (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
@@ -124,7 +124,7 @@ fn readings(d: &mut Document, identity: &Identity, status: &Status) {
     }
 }
 
-/// What the rig watch says on a board of so many actuators, of which values, and since when.
+/// The rig watch's findings on a board with this many actuators, with their values and their time.
 fn describe_watch(
     watch: &WatchStatus,
     actuators: usize,

@@ -1,4 +1,4 @@
-//! A check: the planned motion, and how far the test is from where it would run away.
+//! A check: the planned motion, and how far the test is from running away.
 
 use super::figures::Figures;
 use super::section::TestSection;
@@ -11,14 +11,14 @@ use experiment::stability::Stability;
 use experiment::stability::growth::SmallMotions;
 use experiment::stability::limits::StabilityLimit;
 
-/// A check, and what its page shows beside it.
+/// A check, and the further data of its page.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckSection<'a> {
     /// The test.
     pub experiment: &'a Experiment,
     /// The verdict.
     pub judgement: &'a Judgement,
-    /// What its small motions say.
+    /// The result from small motions.
     pub answer: &'a Stability,
     /// For the page: the fastest growing motion over the delay (ms of the laboratory, 1/s of model time), and the planned
     /// motion on the simulated rig.
@@ -76,12 +76,12 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
     d
 }
 
-/// A verdict and why.
+/// A verdict and its reason.
 pub(super) fn said(verdict: &str, reason: &str) -> String {
     format!("**{}**: {reason}.", verdict.to_uppercase())
 }
 
-/// What will be watchable in this test, in words.
+/// What can be watched in this test, in words.
 fn watched(judgement: &Judgement) -> String {
     let Some(watch) = &judgement.watch else {
         return "The rig watch is off in this test.".into();
@@ -93,7 +93,7 @@ fn watched(judgement: &Judgement) -> String {
     format!("{}{now}", watch.outlook())
 }
 
-/// The error to expect, in words.
+/// The expected error in words.
 pub(super) fn expected(judgement: &Judgement) -> String {
     if !judgement.expected_eps_rms.is_finite() {
         return "none, since the planned motion does not run to its end".into();
@@ -151,7 +151,7 @@ fn tiles(d: &mut Document, c: &CheckSection<'_>, planned: &TestSection<'_>) {
     ]);
 }
 
-/// Growth over the delay and over the drawn rigs.
+/// Growth over the delay, and over the drawn rigs.
 fn how_near(d: &mut Document, a: &Stability, over_delay: &[(f64, f64)]) {
     d.heading("How near it is to running away");
     let here = a.limits.delay.present;

@@ -7,10 +7,10 @@ use crate::document::Document;
 use crate::document::plot::{Colour, FIFTH, FOURTH, TESTED, THIRD, WRONG};
 use experiment::summary::Summary;
 
-/// Curves of a comparison beside the ideal one; more would hide each other.
+/// Colours of the curves besides the ideal; more would hide each other.
 const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 
-/// Each ground motion with a closer look, then a row each. `sections`: the tests whose traces were kept for a page.
+/// A close-up for each ground motion, then a row per test. `sections`: the tests whose traces were kept for a page.
 pub fn of_compare(rows: &[Summary], sections: &[TestSection<'_>]) -> Document {
     let lead = format!(
         "{} tests. A dot is good, a diamond fair, a triangle not the structure's response.",
@@ -38,7 +38,7 @@ pub fn of_compare(rows: &[Summary], sections: &[TestSection<'_>]) -> Document {
                 ),
             );
         });
-        // The best, and the worst as what they are seen against.
+        // The best ones, and the worst for comparison.
         let mut shown: Vec<&TestSection<'_>> =
             ranked.iter().take(BESIDE.len() - 1).copied().collect();
         shown.extend(ranked.iter().skip(shown.len()).last());

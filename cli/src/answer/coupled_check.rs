@@ -1,4 +1,4 @@
-//! A check of two coupled actuators, and what their test has beside other tests.
+//! A check of two coupled actuators, and the further figures of their test.
 
 use super::check::{expected, said};
 use super::figures::Figures;
@@ -11,7 +11,7 @@ use experiment::coupled::planned::CoupledCheck;
 use experiment::numbers::{percent, percent_or_lost, si};
 use experiment::trace::{Response, Trace};
 
-/// What the test found out about the actuators.
+/// What the test identified of the actuators.
 pub(super) fn found(d: &mut Document, c: &CoupledFigures) {
     if c.found.is_empty() {
         return;
@@ -33,7 +33,7 @@ pub(super) fn found(d: &mut Document, c: &CoupledFigures) {
     d.table(t);
 }
 
-/// Figures in place of the added damping, of which there is none.
+/// Figures in place of the added damping, which such a test does not have.
 pub(super) fn tiles(c: &CoupledFigures) -> [(String, String); 2] {
     [
         (rotation(c.peak_rotation_rad), "largest rotation".into()),
@@ -44,7 +44,7 @@ pub(super) fn tiles(c: &CoupledFigures) -> [(String, String); 2] {
     ]
 }
 
-/// A check; `planned`: the planned motion, where it is to be drawn.
+/// A check; `planned`: the planned motion, if it is to be drawn.
 pub fn of_coupled_check(
     experiment: &Experiment,
     c: &CoupledCheck,

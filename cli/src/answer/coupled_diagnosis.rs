@@ -1,4 +1,4 @@
-//! The diagnosis of a specimen of several coordinates.
+//! The diagnosis of a specimen with several coordinates.
 
 use super::diagnosis::models;
 use crate::document::plot::{Curve, IDEAL, TESTED, WIDE, WRONG, history, plot};
@@ -70,7 +70,7 @@ pub(super) fn verdicts(d: &mut Document, diagnosis: &CoupledDiagnosis) {
     d.table(table(&head).with_rows(diagnosis.coordinates.iter().map(error_row)));
 }
 
-/// One row a wrong entry.
+/// One row per wrong entry.
 fn wrong_rows(c: &CoordinateAnswer) -> Vec<Vec<String>> {
     let row = |w: &diagnosis::WrongEntry| {
         vec![
@@ -101,7 +101,7 @@ fn error_row(c: &CoordinateAnswer) -> Vec<String> {
     ]
 }
 
-/// The verdict in a sentence.
+/// The verdict in one sentence.
 fn headline(c: &CoordinateAnswer) -> String {
     let entries = match c.wrong.len() {
         1 => "one entry is".to_owned(),

@@ -1,10 +1,10 @@
-//! A bare board with four wires: what can be sent to whoever asks what this firmware does on that board.
+//! A bare board with four wires: a page that shows what this firmware does on that board.
 
 use crate::board::desk::{DeskRow, RowVerdict};
 use crate::document::{Document, Grade, table};
 use link::reply::Identity;
 
-/// What was found.
+/// The page of the results.
 pub fn of_desk(board: &Identity, emulated: bool, notes: &[String], rows: &[DeskRow]) -> Document {
     let world = if emulated {
         "An **emulated** board: cycles are counted instructions, and the four wires are the emulator's."

@@ -1,4 +1,4 @@
-//! A diagnosis: the verdict, what is left before and after, the loops, what the remaining error depends on.
+//! A diagnosis: the verdict, the residual before and after, the loops, and what the residual depends on.
 
 use super::witness::{self, Witness};
 use super::{dial, next};
@@ -12,20 +12,20 @@ use diagnosis::{ChannelAnswer, Diagnosis, Next, Traces, Turned, Verdict};
 use experiment::numbers::percent;
 use plant::Channel;
 
-/// A diagnosis and what stands beside it.
+/// A diagnosis with its further results.
 #[derive(Clone, Copy, Debug)]
 pub struct DiagnosisSection<'a> {
-    /// What the answer is about.
+    /// The title of the page.
     pub title: &'a str,
-    /// The answer.
+    /// The diagnosis.
     pub diagnosis: &'a Diagnosis,
-    /// The next test, where one was asked for.
+    /// The next test, if requested.
     pub next: Option<&'a Next>,
-    /// What channels that took no part say.
+    /// The testimonies of unused channels.
     pub witnesses: &'a [Witness],
-    /// How the names go with a dial, where one was turned.
+    /// How the named parameters follow a dial, if there is one.
     pub dial: Option<&'a [Turned]>,
-    /// The model as declared, and with what was found.
+    /// The model as declared, and as improved.
     pub models: [&'a str; 2],
 }
 
@@ -89,7 +89,7 @@ fn to_do(d: &mut Document, s: &DiagnosisSection<'_>) {
     }
 }
 
-/// Everything about a channel, as a part of another page.
+/// Everything about a channel, as part of another page.
 pub(super) fn channel(d: &mut Document, a: &ChannelAnswer) {
     heading(d, a);
     d.verdict(grade(a.verdict), headline(a));
@@ -122,7 +122,7 @@ fn details(d: &mut Document, a: &ChannelAnswer) {
             lines.push(format!("**{:22}** {}", e.name.name(), parameter(p)));
         }
     }
-    // The first note says in figures what the headline has said.
+    // The first note gives the headline in figures.
     lines.extend(a.notes.iter().skip(1).cloned());
     let more = [sentence(a), corrected(a), predicted(a), refitted(a)];
     lines.extend(more.into_iter().flatten());
@@ -144,7 +144,7 @@ fn details(d: &mut Document, a: &ChannelAnswer) {
 
 fn tiles(d: &mut Document, a: &ChannelAnswer) {
     let (before, after) = (&a.error_before, &a.error_after);
-    // What was not worked out has no tile.
+    // What was not computed has no tile.
     if before.test_rms.is_nan() {
         return;
     }
@@ -178,7 +178,7 @@ fn tiles(d: &mut Document, a: &ChannelAnswer) {
     d.tiles(tiles);
 }
 
-/// Errors on the held-out data: narrow enough for 80 columns.
+/// Errors on the held-out data; narrow enough for 80 columns.
 fn errors_of(channels: &[ChannelAnswer]) -> Table {
     let mut t = table(&[
         "held out, rms",
@@ -239,7 +239,7 @@ fn residual(d: &mut Document, a: &ChannelAnswer) {
     d.figure(caption, || plot(TALL, "time [s]", &label, &curves));
 }
 
-/// What goes into a channel.
+/// The input of a channel.
 const fn input(a: &ChannelAnswer) -> &'static str {
     match a.channel {
         Channel::Actuator => "command",
@@ -247,7 +247,7 @@ const fn input(a: &ChannelAnswer) -> &'static str {
     }
 }
 
-/// What comes out of it.
+/// The output of a channel.
 const fn output(a: &ChannelAnswer) -> &'static str {
     match a.channel {
         Channel::Actuator => "displacement",
@@ -262,7 +262,7 @@ fn unit(a: &ChannelAnswer) -> &str {
     }
 }
 
-/// The loop of the channel, measured and modelled, without and with what was found.
+/// The loop of the channel, measured and modelled, before and after the improvement.
 fn loops(d: &mut Document, a: &ChannelAnswer) {
     let t = &a.traces;
     let (label, what) = match a.channel {
@@ -305,15 +305,15 @@ fn loops(d: &mut Document, a: &ChannelAnswer) {
     });
 }
 
-/// Turns of a motion that a picture of loops shows: more are a blot.
+/// Largest number of turns of a motion in a plot of loops: more cannot be distinguished.
 const TURNS: usize = 9;
 
-/// The part of a long record whose loops are shown: a few turns around its largest motion.
+/// The part of a long record whose loops are plotted: a few turns around its largest motion.
 fn window(input: &[f64]) -> std::ops::Range<usize> {
     let n = input.len();
     let mean = input.iter().sum::<f64>() / n as f64;
     let largest = input.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
-    // A turn is one that comes back by a tenth of the largest motion.
+    // A turn is where the motion reverses by a tenth of the largest motion.
     let (mut turns, mut extreme, mut up) = (vec![0], 0, true);
     for i in 1..n {
         let back = if up {
@@ -341,7 +341,7 @@ fn window(input: &[f64]) -> std::ops::Range<usize> {
     turns[first]..turns[first + TURNS] + 1
 }
 
-/// Bins over a range.
+/// Number of bins over a range.
 const BINS: usize = 40;
 
 /// Mean, tenth and ninetieth percentile of `left` in bins of another signal.
@@ -377,14 +377,14 @@ fn bands(of: &[f64], left: &[f64]) -> [Curve; 3] {
     ]
 }
 
-/// What is left against displacement and speed.
+/// The residual against displacement and velocity.
 fn left_over(d: &mut Document, a: &ChannelAnswer) {
     let t = &a.traces;
     let pairs = t.measured.iter().zip(&t.after);
     let left: Vec<f64> = pairs.map(|(m, a)| m - a).collect();
     let n = left.len();
     let h = (t.time_s[n - 1] - t.time_s[0]) / (n - 1) as f64;
-    // Speeds over a few samples, behind which the noise of a reading does not hide them.
+    // Velocity over several samples, so that the noise of a reading does not hide it.
     let over = (n / 500).clamp(1, 20);
     let speed: Vec<f64> = (0..n - over)
         .map(|i| (t.input[i + over] - t.input[i]) / (over as f64 * h))

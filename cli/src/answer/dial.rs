@@ -1,11 +1,11 @@
-//! How the numbers of a diagnosis go with a dial.
+//! How the parameters of a diagnosis follow a dial.
 
 use crate::document::{Document, table};
 use crate::wording::digits;
 use diagnosis::{DialNumber, Turned};
 use experiment::numbers::percent;
 
-/// Each name; nothing where no dial was turned.
+/// Each name; nothing if there is no dial.
 pub(super) fn section(d: &mut Document, dial: Option<&[Turned]>) {
     let Some(dial) = dial else { return };
     d.heading("The dial");

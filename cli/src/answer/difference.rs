@@ -8,7 +8,7 @@ use crate::document::plot::{
 use crate::document::{Document, Table, table};
 use experiment::numbers::{si, three};
 
-/// The tests `pair`, which the files `names` hold.
+/// The two tests `pair`, from the files `names`.
 pub fn of_difference(
     difference: &Difference,
     pair: [&ArchivedTest; 2],
@@ -60,7 +60,7 @@ fn channels(difference: &Difference, all: bool) -> Table {
         .with_rows(shown.map(|c| c.cells().to_vec()))
 }
 
-/// The name of a channel of an axis, as `record.csv` has it.
+/// The name of an axis' channel, as in `record.csv`.
 fn named(quantity: &str, axis: usize, suffix: &str) -> String {
     match axis {
         0 => format!("{quantity}_{suffix}"),
@@ -68,7 +68,7 @@ fn named(quantity: &str, axis: usize, suffix: &str) -> String {
     }
 }
 
-/// A channel of both tests over model time, times `factor`.
+/// A channel of both tests over model time, multiplied by `factor`.
 fn overlaid(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Curve; 2] {
     let [first, second] = [0, 1].map(|k| {
         let motion = &motions[k];
@@ -89,7 +89,7 @@ fn in_time(d: &mut Document, shape: PlotShape, label: &str, curves: &[Curve], ca
     d.figure(caption, || plot(shape, "model time [s]", label, curves));
 }
 
-/// Time, and the computed displacements of both tests then, mm, as far as both go.
+/// Time, s, and the computed displacements of both tests, mm, for as long as both run.
 fn targets(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Vec<(f64, f64, f64)> {
     let name = named("target", axis, "m");
     let [first, second] = motions;

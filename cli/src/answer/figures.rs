@@ -1,4 +1,4 @@
-//! The figures of a test, with what to see in them.
+//! The figures of a test, with captions.
 
 use super::section::TestSection;
 use crate::document::Document;
@@ -11,12 +11,12 @@ use experiment::trace::FloorTrace;
 use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
 
-/// Of a test that ran away, so many times the largest ideal displacement is shown.
+/// For a test that tripped or ran away, this multiple of the largest ideal displacement is shown.
 const SHOWN_BEYOND: f64 = 3.0;
-/// Half of a closer look, in periods of the fundamental mode.
+/// Half the width of a close-up, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
 
-/// What a coordinate of two coupled actuators is called, and what its displacement is drawn in.
+/// The name of a coordinate of two coupled actuators, and the unit in which its displacement is drawn.
 pub(super) fn coordinate(name: &str) -> (String, &'static str) {
     let rotation = name.strip_suffix("_rad");
     let plain = rotation.unwrap_or_else(|| name.trim_end_matches("_m"));
@@ -24,10 +24,10 @@ pub(super) fn coordinate(name: &str) -> (String, &'static str) {
     (plain.replace('_', " "), unit)
 }
 
-/// What the figures are drawn from: the control steps in which an integration step was solved.
+/// The data of the figures: the control steps in which an integration step was solved.
 pub struct Figures<'a> {
     pub(super) section: &'a TestSection<'a>,
-    /// Their places in the trace; the k-th belongs to integration step k.
+    /// Their indices in the trace; the k-th belongs to integration step k.
     pub(super) solved: Vec<usize>,
     /// Integration step, s of model time.
     pub(super) step_s: f64,
@@ -37,7 +37,7 @@ pub struct Figures<'a> {
 }
 
 impl<'a> Figures<'a> {
-    /// Of this test.
+    /// Figures of this test.
     pub fn of(section: &'a TestSection<'a>) -> Self {
         let trace = section.trace;
         let solved: Vec<usize> = (0..trace.len())
@@ -53,7 +53,7 @@ impl<'a> Figures<'a> {
             .enumerate()
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
             .map_or(0, |(i, _)| i);
-        // 1 / (2 M omega): back to the period.
+        // `per_critical` is 1 / (2 M omega); the period follows.
         let omega = 0.5 / (section.experiment.per_critical() * config.structure.mass_kg[0]);
         let half = (LOOK_PERIODS * std::f64::consts::TAU / omega / step_s) as usize;
         Self {
@@ -72,7 +72,7 @@ impl<'a> Figures<'a> {
         self.section.trace.floors.iter().enumerate()
     }
 
-    /// What a floor, or a coordinate of two coupled actuators, is called, and what its displacement is drawn in.
+    /// The name of a floor, or of a coordinate of two coupled actuators, and the unit in which its displacement is drawn.
     fn axis(&self, j: usize) -> (String, &'static str) {
         match &self.section.trace.interface {
             None => (format!("Floor {}", j + 1), "mm"),
@@ -115,7 +115,7 @@ impl<'a> Figures<'a> {
         0..self.solved.len()
     }
 
-    /// A plot over the whole test, or a part of it.
+    /// A plot over the whole test, or over a part of it.
     pub(super) fn in_time(
         d: &mut Document,
         shape: PlotShape,
@@ -128,7 +128,7 @@ impl<'a> Figures<'a> {
         });
     }
 
-    /// What shook the structure (Fig 7).
+    /// The ground motion (Fig 7).
     pub fn ground_motion(&self, d: &mut Document) {
         let acc = &self.section.trace.ground_m_per_s2;
         let curve = Curve::new(GROUND, self.over(self.whole_test(), |i| f64::from(acc[i])));
@@ -137,7 +137,7 @@ impl<'a> Figures<'a> {
         Self::in_time(d, WIDE, "acceleration [m/s²]", &[curve], caption);
     }
 
-    /// The displacement against the ideal, floor by floor (Figs 8, 10, 15).
+    /// The displacement and the ideal, floor by floor (Figs 8, 10, 15).
     pub fn response(&self, d: &mut Document, caption: &str) {
         for (j, floor) in self.floors() {
             let caption = self.on_floor(j, caption);
@@ -145,7 +145,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// The same with a closer look and the error.
+    /// The same with a close-up and the error.
     pub fn displacement(&self, d: &mut Document) {
         d.heading("Displacement");
         for (j, floor) in self.floors() {
@@ -168,7 +168,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// A shape whose vertical axis ends where a test that ran away has nothing more to show.
+    /// Limits the vertical axis for a test that tripped or ran away.
     pub(super) fn cut(&self, shape: PlotShape, j: usize) -> PlotShape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {
@@ -188,7 +188,7 @@ impl<'a> Figures<'a> {
         let ideal = Curve::new(IDEAL, self.ideal(j, range.clone())).named("ideal actuator");
         let points = self.over(range, |i| f64::from(floor.command_m[i]) * 1e3);
         let test = Curve::new(self.colour, points).named("test");
-        // A curve that has run away is drawn under the ideal, or it would hide it.
+        // A curve that has run away is drawn below the ideal, which it would hide otherwise.
         let curves = match self.section.summary.verdict {
             TestVerdict::Diverged => [
                 test,
@@ -205,7 +205,7 @@ impl<'a> Figures<'a> {
         Self::in_time(d, self.cut(shape, j), &label, &curves, caption);
     }
 
-    /// The strongest part of this test under several compensations: the lowest floor, or x and rotation.
+    /// The strongest part of this test with several compensations: the lowest floor, or x and rotation.
     pub fn overlay(&self, d: &mut Document, sections: &[&TestSection<'a>], colours: &[Colour]) {
         if self.section.trace.interface.is_none() {
             let label = "displacement of the lowest floor [mm]";
@@ -246,7 +246,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Force against displacement: as the integration perceives it and as the specimen does (Fig 2).
+    /// Force against displacement: as the integration perceives it, and as the specimen does (Fig 2).
     pub fn loops(&self, d: &mut Document) {
         let filtered = self.section.experiment.test.config.estimation.kind != Filter::Off;
         d.heading("Force against displacement");
@@ -266,7 +266,7 @@ impl<'a> Figures<'a> {
     fn loops_of(&self, d: &mut Document, filtered: bool, j: usize, floor: &FloorTrace) {
         let part = &self.solved[self.look.clone()];
         let (displacement, force) = match &self.section.trace.interface {
-            // Of the readings of both actuators.
+            // Both are computed from the readings of both actuators.
             Some(interface) => (&interface.displacement[j], &floor.estimated_force_n),
             None if filtered => (&floor.estimated_displacement_m, &floor.estimated_force_n),
             None => (&floor.displacement_m, &floor.force_n),
@@ -301,7 +301,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Each of two coupled actuators in the strongest part: where it is to be, what it was sent, where it was.
+    /// Each of two coupled actuators in the strongest part: target, command and stroke.
     pub fn actuators(&self, d: &mut Document) {
         let Some(interface) = &self.section.trace.interface else {
             return;
@@ -389,7 +389,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Sensors and what the filter makes of them, where there is one.
+    /// The sensors and the filter's estimate, if there is a filter.
     pub fn estimate(&self, d: &mut Document) {
         if self.section.experiment.test.config.estimation.kind == Filter::Off {
             return;

@@ -1,4 +1,4 @@
-//! What an actuator does: the numbers of its model, and its frequency response.
+//! An identified actuator: the parameters of its model, and its frequency response.
 
 use crate::document::plot::{
     Colour, Curve, GROUND, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG, plot,
@@ -11,10 +11,10 @@ use experiment::numbers::percent;
 
 /// Distortion below this share of the displacement is drawn at it.
 const LEAST_SHARE: f64 = 1e-6;
-/// A distortion is called one where it is so many times the noise.
+/// Multiple of the noise above which a distortion is reported as one.
 const ABOVE_NOISE: f64 = 2.0;
 
-/// What was identified of the record `name`; `doubt` is what speaks against it, `response` what a page shows.
+/// What was identified from the record `name`; `doubt` is an objection to it, `response` is for a page.
 pub fn of_identify(
     name: &str,
     found: &Identified,
@@ -181,7 +181,7 @@ fn distorted(d: &mut Document, response: &FrequencyResponse) {
 fn levels(d: &Distortion) -> String {
     let level = |of: fn(&DistortionLine) -> Option<f64>, colour: Colour, name: &'static str| {
         let share = |l: &DistortionLine| {
-            // A multisine leaves lines out on purpose: the linear answer beside them counts.
+            // A multisine leaves lines out on purpose: the mean linear response is used instead.
             let linear = match d.excitation {
                 Excitation::Sweep => l.linear_mm,
                 Excitation::OddMultisine => d.overall_mm()[3],

@@ -1,4 +1,4 @@
-//! A test, the diagnosis of its record, and the test after it.
+//! A test, the diagnosis of its record, and the improved test.
 
 use super::figures::Figures;
 use super::section::TestSection;
@@ -11,7 +11,7 @@ use experiment::Experiment;
 use experiment::judged::JudgedRun;
 use experiment::numbers::percent;
 
-/// Tests whose records were diagnosed, and the tests after them.
+/// Tests whose records were diagnosed, and the improved tests.
 pub fn of_improvements(stories: &[(String, &Improvement)], with_page: bool) -> Document {
     let lead = "A test runs on a rig that has something in it that nobody declared. Its record is diagnosed, what was found goes \
                 into the next test, and that test is judged by the same ideal.";
@@ -31,13 +31,13 @@ pub fn of_improvements(stories: &[(String, &Improvement)], with_page: bool) -> D
     d
 }
 
-/// What was found, not settled, and done.
+/// What was found, what was not settled, and what was changed.
 pub(super) fn in_short(d: &mut Document, story: &Improvement) {
     let channel = |c: &ChannelAnswer| [headline(c)].into_iter().chain(sureness(c));
     let mut lines: Vec<String> = Vec::new();
     for c in &story.first.channels {
         lines.extend(channel(c));
-        // Where nothing is near, the note says why.
+        // If nothing is near, the note gives the reason.
         if c.verdict == Verdict::Unknown && c.nearest.is_none() {
             lines.extend(c.notes.iter().cloned());
         }
@@ -51,7 +51,7 @@ pub(super) fn in_short(d: &mut Document, story: &Improvement) {
     d.items(lines);
 }
 
-/// One row a story.
+/// One row per improvement.
 pub(super) fn table_of(d: &mut Document, stories: &[(String, &Improvement)]) {
     let mut t = table(&[
         "test",
@@ -82,7 +82,7 @@ pub(super) fn table_of(d: &mut Document, stories: &[(String, &Improvement)]) {
     d.table(t);
 }
 
-/// A story on the page.
+/// An improvement on the page.
 pub(super) fn section(d: &mut Document, title: &str, s: &Improvement) {
     let response = |d: &mut Document, experiment: &Experiment, run: &JudgedRun| {
         let Some(trace) = &run.trace else {

@@ -1,4 +1,4 @@
-//! What each verb answers, as a [`Document`](crate::document::Document): one file an answer.
+//! The result of each verb, as a [`Document`](crate::document::Document): one file per result.
 
 mod board;
 mod check;

@@ -1,4 +1,4 @@
-//! A designed test: its command, and what each possible cause predicts.
+//! A designed test: its command, and the predictions of each possible cause.
 
 use crate::document::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, TESTED, THIRD, WIDE, WRONG, history, path, plot,
@@ -68,7 +68,7 @@ fn phase_row(p: &Phase) -> Vec<String> {
     ]
 }
 
-/// What each possible cause predicts.
+/// The predictions of each possible cause.
 fn predictions(o: &Outlook) -> Table {
     let first = format!("if it is, in the {},", o.channel.name());
     let mut t = table(&[
@@ -95,7 +95,7 @@ fn predictions(o: &Outlook) -> Table {
     t
 }
 
-/// Each number of a model, how well it is known and will be.
+/// Each parameter of a model, with its interval now and after the test.
 fn numbers(o: &Outlook) -> Table {
     let first = format!("number of the {}", o.channel.name());
     let mut t = table(&[
@@ -115,7 +115,7 @@ fn numbers(o: &Outlook) -> Table {
     t
 }
 
-/// The answers of the causes over time, and their loops.
+/// The predicted responses of the causes over time, and their loops.
 fn pictures(d: &mut Document, o: &Outlook, n: &Next) {
     let causes = || o.candidates.iter().zip(COLOURS);
     let caption = format!(

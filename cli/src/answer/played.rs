@@ -5,7 +5,7 @@ use crate::document::{Document, Grade};
 use experiment::bench::Played;
 use experiment::numbers::{length, three};
 
-/// What came of the signal `name`; a page shows its record, where it is long enough to be one.
+/// The result of the signal `name`; the page shows its record if it is long enough.
 pub fn of_played(name: &str, played: &Played, with_page: bool) -> Document {
     let lead = "The actuator played a signal and nothing was integrated.";
     let mut d = Document::new("A signal instead of a test", lead, with_page);

@@ -1,23 +1,23 @@
-//! A test as a part of an answer.
+//! A test as a part of a result.
 
 use experiment::Experiment;
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::{Response, Trace};
 
-/// A test as its page shows it.
+/// The data of a test for its page.
 #[derive(Clone, Copy, Debug)]
 pub struct TestSection<'a> {
-    /// What was tested.
+    /// The test itself.
     pub experiment: &'a Experiment,
     /// Its figures.
     pub summary: &'a Summary,
     /// Its trace.
     pub trace: &'a Trace,
-    /// The ideal it is compared with.
+    /// The ideal response with which it is compared.
     pub ideal: &'a Response,
 }
 
-/// What was tested, how long, and under which compensation.
+/// The structure, the duration and the compensation.
 pub(super) fn lead(experiment: &Experiment, summary: &Summary) -> String {
     let c = &experiment.test.config;
     let floors = match (c.degrees_of_freedom(), c.physical_storeys()) {
@@ -45,7 +45,7 @@ pub(super) fn lead(experiment: &Experiment, summary: &Summary) -> String {
     )
 }
 
-/// The tests that completed first, then by their error.
+/// Sorts completed tests first, then by their error.
 pub(super) fn rank<T>(tests: &mut [&T], of: impl Fn(&T) -> (TestVerdict, f64)) {
     let wrong = |test: &T| {
         let (verdict, eps_rms) = of(test);

@@ -1,4 +1,4 @@
-//! A session: a rig as an element of a model outside.
+//! A session: a rig as an element of an external model.
 
 use super::figures::coordinate;
 use crate::document::plot::{
@@ -11,7 +11,7 @@ use experiment::numbers::{joule, length, percent, si};
 use experiment::trace::Trace;
 use outerloop_core::Pace;
 
-/// A session as its page shows it.
+/// The data of a session for its page.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionSection<'a> {
     /// The test file.
@@ -22,7 +22,7 @@ pub struct SessionSection<'a> {
     pub trace: &'a Trace,
 }
 
-/// One session.
+/// The page of a session.
 pub fn of_served(s: &SessionSection<'_>) -> Document {
     let mut d = Document::new("A rig as an element of a model outside", lead(s), true);
     verdict(&mut d, s.summary);
@@ -110,22 +110,22 @@ fn tiles(d: &mut Document, s: &SessionSummary) {
     d.tiles(tiles.collect());
 }
 
-/// A quantity over the laboratory's time.
+/// A quantity over laboratory time.
 fn curve_over_time(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
     Curve::new(colour, history(t.len(), |i| (t.time_s(i), value(i))))
 }
 
-/// A plot over the laboratory's time.
+/// A plot over laboratory time.
 fn in_time(d: &mut Document, shape: PlotShape, label: &str, curves: &[Curve], caption: &str) {
     d.figure(caption, || {
         plot(shape, "time in the laboratory [s]", label, curves)
     });
 }
 
-/// What moved, as it is drawn: a storey, a coordinate of two coupled actuators, or the actuator that a signal moved.
+/// A motion to be drawn: of a storey, of a coordinate of two coupled actuators, or of the actuator that a signal moved.
 pub(super) struct ShownFloor<'a> {
     pub heading: String,
-    /// Of a thousandth of the target's unit, and of a thousand of the force's.
+    /// Units for a thousandth of the target's unit, and a thousand of the force's.
     pub units: [&'static str; 2],
     pub target: &'a [f32],
     pub displacement: &'a [f32],
@@ -161,7 +161,7 @@ impl<'a> ShownFloor<'a> {
             .collect()
     }
 
-    /// Draws it; `time_s`: of a control step, in the laboratory.
+    /// Draws the motion; `time_s`: laboratory time of a control step.
     pub(super) fn draw(&self, d: &mut Document, time_s: impl Fn(usize) -> f64) {
         let n = self.target.len();
         let thousandths = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;

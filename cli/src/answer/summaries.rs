@@ -1,11 +1,11 @@
-//! The figures of tests, a row each.
+//! The figures of tests, one row each.
 
 use crate::document::{Document, table};
 use experiment::coupled::figures::CoupledFigures;
 use experiment::numbers::{joule, length, percent, three};
 use experiment::summary::Summary;
 
-/// A column of the figures of tests: its head, and the cell of a test.
+/// A column of the figures of tests: its header, and the cell of a test.
 pub type SummaryColumn = (&'static str, fn(&Summary) -> String);
 
 const GROUND_MOTION: SummaryColumn = ("ground motion", |s| s.record.clone());
@@ -16,14 +16,14 @@ const HOW_IT_WENT: [SummaryColumn; 4] = [
     ("eps_rms", |s| percent(s.eps_rms)),
 ];
 const ENERGY_ERROR: SummaryColumn = ("energy error", |s| joule(s.energy_error_j));
-/// Of actuators that each move a floor of their own.
+/// For actuators that each move a floor of their own.
 const OF_FLOORS: [SummaryColumn; 4] = [
     ("peak", |s| length(s.peak_displacement_m)),
     ("added damping", |s| percent(s.mean_added_damping_ratio)),
     ENERGY_ERROR,
     ("energy ratio", |s| percent(s.energy_ratio)),
 ];
-/// Of two coupled actuators.
+/// For two coupled actuators.
 const OF_INTERFACE: [SummaryColumn; 5] = [
     ("by coordinate", |s| {
         let each = s.coupled.iter().flat_map(|c| &c.eps_rms_by_coordinate);
@@ -56,12 +56,12 @@ pub fn rotation(rad: f64) -> String {
     format!("{} mrad", three(1e3 * rad))
 }
 
-/// How well each of two coupled actuators followed.
+/// How well each of two coupled actuators tracked its target.
 pub fn tracking(c: &CoupledFigures) -> String {
     c.tracking_rms_by_actuator.map(percent).join(" / ")
 }
 
-/// One row a test, and what its columns mean. The ground motion is a column where there is more than one.
+/// One row per test, and the meaning of the columns. The ground motion is a column if there is more than one.
 pub fn summaries(d: &mut Document, rows: &[Summary]) {
     let several = rows.windows(2).any(|w| w[0].record != w[1].record);
     let coupled = rows.iter().any(|s| s.coupled.is_some());
@@ -75,7 +75,7 @@ pub fn summaries(d: &mut Document, rows: &[Summary]) {
         .into_iter()
         .collect::<Vec<_>>();
     columns.extend(HOW_IT_WENT.iter().chain(own));
-    // The ratio, then the added damping; tracking, then the share of each coordinate.
+    // The ratio, then the added damping; tracking, then the error of each coordinate.
     let least_important: &[usize] = match (coupled, several) {
         (false, false) => &[7, 5],
         (false, true) => &[8, 6],
@@ -97,7 +97,7 @@ pub fn summaries(d: &mut Document, rows: &[Summary]) {
     d.items(legend.iter().copied().map(str::to_owned).collect());
 }
 
-/// What the columns of [`summaries`] mean.
+/// The meaning of the columns of [`summaries`].
 const LEGEND: [&str; 4] = [
     "**eps_max, eps_rms**   largest and rms difference to the same test on an ideal actuator, of its largest displacement (Eqs 17, 18)",
     "**added damping**      mean of what the compensation adds, of the critical damping of the first mode",
@@ -105,7 +105,7 @@ const LEGEND: [&str; 4] = [
     "**energy ratio**       what is left of it when the added damping has acted, of the energy in the test",
 ];
 
-/// The same of two coupled actuators.
+/// The same for two coupled actuators.
 const LEGEND_OF_INTERFACE: [&str; 5] = [
     "**eps_max, eps_rms**   largest and rms difference to the same test on ideal actuators, of its largest motion, worst coordinate \
      (Eqs 17, 18)",

@@ -1,4 +1,4 @@
-//! Many tests: the error over the values of a key, or over the rigs that were drawn.
+//! Many tests: the error over the values of a key, or over the drawn rigs.
 
 use super::figures::Figures;
 use super::section::TestSection;
@@ -13,19 +13,19 @@ use experiment::stability::perturbed::Spread;
 use experiment::stability::variation::Variation;
 use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict};
 
-/// Curves of compensations; more would hide each other.
+/// Colours of the compensations; more curves would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 /// Errors below this are drawn at it.
 const LEAST: f64 = 1e-6;
-/// Dots of a plot; where there are more, the best of them are thinned out.
+/// Largest number of dots in a plot; beyond it the better tests are thinned out.
 const DOTS: usize = 4000;
 
-/// As the axis of per cent has it: a test that is lost counts as an error of 100 %.
+/// The error on a logarithmic axis of per cent: a lost test counts as 100 %.
 fn on_axis(error: f64) -> f64 {
     error.clamp(LEAST, 1.0).log10()
 }
 
-/// Tests over the values of `path`, which began with `first`.
+/// Tests over the values of `path`; `first` is the first of them.
 pub fn of_values(
     path: &str,
     rows: &[OneOfMany],
@@ -99,7 +99,7 @@ pub fn of_values(
     d
 }
 
-/// Up to where each compensation is usable.
+/// How many values each compensation is usable at.
 fn usable(d: &mut Document, rows: &[OneOfMany], values: &[f64], compensations: &[&'static str]) {
     for name in compensations {
         let at_most = |most: f64| {
@@ -124,7 +124,7 @@ fn usable(d: &mut Document, rows: &[OneOfMany], values: &[f64], compensations: &
     }
 }
 
-/// Tests on rigs that were drawn with `spread`; `worst`: the worst of them again, with its rig, for the page.
+/// Tests on rigs drawn with `spread`; `worst`: the worst of them repeated, with its rig, for the page.
 pub fn of_rigs(
     outcome: &Outcome,
     spread: &Spread,
@@ -212,7 +212,7 @@ fn rigs_verdict(d: &mut Document, o: &Outcome) {
     );
 }
 
-/// One of the factors of a rig.
+/// A factor of a rig.
 type Factor = fn(&Variation) -> f64;
 
 const FACTORS: [(&str, Factor); 3] = [
@@ -221,7 +221,7 @@ const FACTORS: [(&str, Factor); 3] = [
     ("stiffness of the specimen", |v| v.stiffness),
 ];
 
-/// The error over each of what was drawn.
+/// The error over each drawn factor.
 fn over_the_rigs(d: &mut Document, spread: &Spread, rows: &[OneOfMany], rigs: &[Variation]) {
     let error = |i: &usize| rows[*i].summary.error();
     let mut order: Vec<usize> = (0..rows.len()).collect();

@@ -13,11 +13,11 @@ use experiment::summary::Summary;
 use experiment::trace::{Response, Trace};
 use outerloop_core::Method;
 
-/// What stands beside the page of a test.
+/// Describes the files next to the page.
 const RECORDS: &str = "Every channel of every control step is in record.csv, and in record.h5 for Python and MATLAB, which repeats \
                        the test, too. The figures are in summary.json. They lie beside this page.";
 
-/// One test. `remarks`: what is to be known of its rig; `trace`: with the ideal, where it was kept.
+/// One test. `remarks`: notes on its rig; `trace`: with the ideal, if it was kept.
 pub fn of_run(
     experiment: &Experiment,
     summary: &Summary,
@@ -53,7 +53,7 @@ pub fn of_run(
     if let Some(coupled) = &summary.coupled {
         coupled_check::found(&mut d, coupled);
     }
-    // A test that failed says so once, at the end.
+    // A failed test reports this once, at the end.
     if summary.outcome().is_ok() {
         d.tell(summary.sentence());
     }
@@ -66,7 +66,7 @@ pub fn of_run(
     d
 }
 
-/// A demonstration: the same test without and with compensation, and a test on a rig that was not as declared.
+/// A demonstration: the same test without and with compensation, and a test on a rig that differs from its declaration.
 pub fn of_demo(
     none: &TestSection<'_>,
     paper: &TestSection<'_>,
@@ -128,7 +128,7 @@ pub fn of_demo(
     d
 }
 
-/// The verdict, and what the watch said.
+/// The verdict, and the watch's summary.
 fn verdict(d: &mut Document, s: &Summary) {
     let doubt = if s.model_doubt_share > 0.05 {
         format!(

@@ -1,4 +1,4 @@
-//! What the rig watch saw, drawn over the motion.
+//! The reports of the rig watch, drawn over the motion.
 
 use super::figures::Figures;
 use crate::document::Document;
@@ -6,7 +6,7 @@ use crate::document::plot::{Colour, Curve, GROUND, TALL, TESTED, THIRD, WIDE, WR
 use experiment::watch::WatchEvent;
 use std::ops::Range;
 
-/// What it says of the rig, and the colour of the motion while it does.
+/// Its states, and the colour of the motion in each.
 const STATES: [(&str, Colour); 4] = [
     ("sound", TESTED),
     ("doubtful", THIRD),
@@ -15,8 +15,8 @@ const STATES: [(&str, Colour); 4] = [
 ];
 
 impl Figures<'_> {
-    /// Where each actuator was and how far that is from its target, in the colour of what the watch said then, and a line for each
-    /// change; nothing where it had nothing to say.
+    /// The position and the tracking error of each actuator, in the colour of the watch's state, and a line for each
+    /// change; nothing if the watch had nothing to report.
     pub fn watched(&self, d: &mut Document) {
         let watch = self.section.summary.watch.as_ref();
         let Some(watch) = watch.filter(|w| !w.events.is_empty()) else {
@@ -39,7 +39,7 @@ impl Figures<'_> {
         d.on_page(|d| d.items(watch.lines()));
     }
 
-    /// From which integration step to which it said what, as a place in [`STATES`].
+    /// The ranges of integration steps with one state each, as an index in [`STATES`].
     fn states(&self, events: &[WatchEvent]) -> Vec<(usize, Range<usize>)> {
         let steps = self.solved.len();
         let step = |t_s: f64| ((t_s / self.step_s) as usize).min(steps);
@@ -54,7 +54,7 @@ impl Figures<'_> {
         all.filter(|(_, range)| !range.is_empty()).collect()
     }
 
-    /// A quantity of the trace in the colours of the states; each state has one line in the legend.
+    /// A quantity of the trace in the colours of the states; each state has one entry in the legend.
     fn coloured(
         &self,
         spans: &[(usize, Range<usize>)],

@@ -1,4 +1,4 @@
-//! What channels that took no part say of the names of a diagnosis.
+//! What unused channels say of the names of a diagnosis.
 
 use crate::document::plot::{Curve, HALF, IDEAL, TESTED, history, plot};
 use crate::document::{Document, table};
@@ -6,7 +6,7 @@ use diagnosis::{Says, Testimony};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A share that differs by less is as much.
+/// Shares that differ by less than this count as equal.
 const AS_MUCH: f64 = 0.05;
 
 /// A witness, and what it says of each name.
@@ -20,7 +20,7 @@ pub struct Witness {
     pub testimonies: Vec<Testimony>,
 }
 
-/// All of them; nothing where nobody was asked.
+/// All witnesses; nothing if there are none.
 pub(super) fn section(d: &mut Document, witnesses: &[Witness]) {
     if witnesses.is_empty() {
         return;

@@ -32,14 +32,14 @@ pub struct BoardBench<P> {
     connection: RefCell<Connection<P>>,
     plan: PlannedMotion,
     operator: Operator,
-    /// The number that the board's calibration has to have.
+    /// The number that the board's calibration must have.
     calibration: Option<String>,
-    /// The bits that its converters have to have.
+    /// The resolution that its converters must have, bits.
     bits: Option<u16>,
 }
 
 impl<P: Port> BoardBench<P> {
-    /// Over `connection`, for tests that are planned as `plan` says; `operator` is asked before each starts.
+    /// Over `connection`, for tests whose motion is `plan`; `operator` is asked before each start.
     pub fn new(connection: Connection<P>, plan: PlannedMotion, operator: Operator) -> Self {
         Self {
             connection: RefCell::new(connection),
@@ -50,13 +50,13 @@ impl<P: Port> BoardBench<P> {
         }
     }
 
-    /// On a board whose calibration has this number, eight hexadecimal digits.
+    /// Accepts only a board whose calibration has this number, eight hexadecimal digits.
     pub fn expecting(mut self, calibration: Option<String>) -> Self {
         self.calibration = calibration;
         self
     }
 
-    /// On a board whose converters have so many bits.
+    /// Accepts only a board whose converters have this resolution.
     pub fn with_bits(mut self, bits: Option<u16>) -> Self {
         self.bits = bits;
         self
@@ -76,7 +76,7 @@ impl<P: Port> BoardBench<P> {
         commission(board, test, (trajectory, 0), &self.operator, observer)
     }
 
-    /// The connection back.
+    /// Gives the connection back.
     pub fn into_connection(self) -> Connection<P> {
         self.connection.into_inner()
     }
@@ -111,10 +111,10 @@ impl<P: Port> Bench for BoardBench<P> {
     }
 }
 
-/// That a test of two coupled actuators has no further coordinates.
+/// Checks that a test of two coupled actuators has no further coordinates.
 ///
 /// # Errors
-/// It has.
+/// It has some.
 pub(super) fn only_x_and_rotation(part: &CoupledPart) -> Result<(), Failure> {
     match part.coordinates() {
         2 => Ok(()),
@@ -124,7 +124,8 @@ pub(super) fn only_x_and_rotation(part: &CoupledPart) -> Result<(), Failure> {
     }
 }
 
-/// A test of two coupled actuators as a board is sent it, and the loop that it then has. `config` has all limits that it asks for.
+/// A test of two coupled actuators as sent to a board, and the loop that the board then runs. `config` has all limits
+/// that a board requires.
 ///
 /// # Errors
 /// The first value that core refuses.
@@ -134,20 +135,20 @@ pub(crate) fn coupled_test<const N: usize>(
 ) -> Result<(BoardTest, Design<N, CoupledRig>), Failure> {
     let kind = part.declared.compensation;
     let design = settings::design::<N>(&part.declared, &config, kind)?;
-    // The same with a number of coordinates that the link knows.
+    // The same design with the number of coordinates that the link supports.
     let coupled = Some(settings::of::<2>(&part.declared, &config, kind)?);
     Ok((BoardTest { config, coupled }, design))
 }
 
 impl<P: Port> BoardBench<P> {
-    /// The board, idle, and the configuration with the limits that it asks for.
+    /// Makes the board idle; gives its identity and the configuration with all required limits.
     fn ready(&self, test: (&Config, Hold)) -> Result<(Identity, Config), Failure> {
         let wanted = (self.calibration.as_deref(), self.bits);
         ready(&mut *self.connection.borrow_mut(), test, &self.plan, wanted)
     }
 
-    /// Runs a test with the loop `design`, which the board is `sent`; gives the rig as that loop has it in the end, if every step of
-    /// it is known.
+    /// Runs a test with the loop `design`, sent to the board as `sent`. Also gives the rig as that loop has it at the
+    /// end, if every step is known.
     fn run_as<const N: usize, R: Rig<N>>(
         &self,
         test: &PreparedTest<'_, N, R>,
@@ -214,18 +215,18 @@ fn points<'a, const N: usize, R: Rig<N>>(
     Ok(points)
 }
 
-/// What a test that has been started waits for.
+/// What a started test waits for.
 enum Phase {
-    /// That its steps are done.
+    /// The end of its steps.
     Running,
-    /// That somebody lets it go on: the board's button has held it.
+    /// Somebody to resume it: the board's button has held it.
     Held,
-    /// That it has ended, as it was told to; `by_hand`: before its steps were done.
+    /// Its end, which it was told of; `by_hand`: before its steps were done.
     Ending { by_hand: bool },
 }
 
-/// The steps of a running test. They count by their number, not by their coming: some may be lost on the way. Those of a
-/// hold do not count.
+/// The steps of a running test. They are counted by their numbers, since some may be lost on the link. Steps of a hold do
+/// not count.
 #[derive(Default)]
 struct Steps {
     done: usize,
@@ -258,11 +259,11 @@ struct Test<'a, 'b, P, const N: usize, R: Rig<N>> {
     in_force: ConfiguredTest<'a, N, R>,
     identity: &'b Identity,
     operator: &'b Operator,
-    /// Control steps that it has.
+    /// Control steps of the whole test.
     wanted: usize,
     steps: Steps,
     phase: Phase,
-    /// It was ended because the board's bits are not the PC's.
+    /// It was ended because the board's bits differ from the PC's.
     differs: bool,
 }
 
@@ -277,7 +278,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
                 Ok(None) => {}
                 Ok(Some(ended)) => break (ended, None),
                 Err(failure) => {
-                    // What came is kept. Perhaps the board hears what the PC says, though the PC does not hear the board.
+                    // What was received is kept. The board may still hear the PC even if the PC does not hear the board.
                     if event(self.board, Event::Stop).is_ok() {
                         let _ = self.in_force.until_still(self.board);
                     }
@@ -292,18 +293,18 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         Ok((ending, rig))
     }
 
-    /// One step, and what somebody asks for in it; how the board has ended, if it has.
+    /// One step, and what somebody requested in it; gives the mode in which the board ended, if it has.
     fn go_on(&mut self, observer: &mut dyn TestObserver) -> Result<Option<Mode>, Failure> {
-        // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
+        // Read before the observer is called, so that it sees as much: its requests are kept for a replay.
         let interrupted = interrupt::asked();
         let before = self.in_force.steps();
         let record = self.in_force.next(self.board)?;
         self.see(record, observer);
-        // An observer counts steps by being asked.
+        // An observer counts steps by how often it is called.
         if self.in_force.steps() > before {
             self.do_as_asked(observer)?;
         }
-        // The record on the board is at most some steps longer than the test.
+        // The board's record is at most a few steps longer than the test.
         if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
             self.end(Event::Finish)?;
         }
@@ -314,7 +315,8 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         if interrupted {
             self.end(Event::Stop)?;
         }
-        // A wrong bit in what the board keeps of the test: the limits allow much that is not the test.
+        // A bit of the test that the board stores has turned over: the limits still allow much motion that is not the
+        // test.
         if self.in_force.mirror().differs() && !self.is_ending() && mode.integrates() {
             self.differs = true;
             self.end(Event::Stop)?;
@@ -323,10 +325,10 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         Ok(None)
     }
 
-    /// What an observer asks for behind a step.
+    /// Carries out what an observer requests after a step.
     fn do_as_asked(&mut self, observer: &mut dyn TestObserver) -> Result<(), Failure> {
         let asked = observer.requested_event();
-        // Before the next step: what is asked for may have to be in force in it.
+        // Before the next step, in which the request may have to take effect.
         self.in_force.be_judged(observer);
         match asked {
             Some(Event::Stop) => self.end(Event::Stop),
@@ -361,7 +363,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         self.in_force.end(self.board, how)
     }
 
-    /// Says once that the board's button holds the test, and lets it go on when somebody wants that.
+    /// Reports once that the board's button holds the test, and resumes it when somebody agrees.
     fn hold_or_go_on(&mut self, mode: Mode) -> Result<(), Failure> {
         match (&self.phase, mode == Mode::Holding) {
             (Phase::Ending { .. }, _) | (Phase::Running, false) | (Phase::Held, true) => {}
@@ -385,8 +387,8 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         Ok(())
     }
 
-    /// What the board says of a test that has ended; `lost`: why what it does is not known any more. Whatever is not, is said, and the
-    /// test that was seen is kept.
+    /// The account of a test that has ended. `lost`: why the board's state is no longer known. A board that cannot be
+    /// read is reported, and the part of the test that was seen is kept.
     fn ending(mut self, mut ended: Mode, mut lost: Option<String>, wall_s: f64) -> Ending {
         let mut board_status = None;
         if lost.is_none() {
@@ -397,7 +399,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         }
         if ended == Mode::Finished && lost.is_none() {
             match self.in_force.come_to_rest(self.board) {
-                // A trip on the ramp.
+                // A trip on the deceleration ramp.
                 Ok(()) if self.in_force.mode() == Mode::Tripped => {
                     ended = Mode::Tripped;
                     board_status = status(self.board).ok().or(board_status);

@@ -1,12 +1,12 @@
-//! The image and the emulator, built where they are not there yet.
+//! Builds the image and the emulator if they do not exist yet.
 
 use super::image::Image;
 use experiment::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The image as it is flashed: the one that OUTERLOOP_IMAGE (OUTERLOOP_IMAGE_16, OUTERLOOP_IMAGE_3) names, else a release's, else that of the
-/// present checkout.
+/// The image to flash: the one named by OUTERLOOP_IMAGE (OUTERLOOP_IMAGE_16, OUTERLOOP_IMAGE_3), else a release's, else
+/// that of the current checkout.
 ///
 /// # Errors
 /// No checkout here, or a build that fails.
@@ -31,7 +31,7 @@ pub fn built_image(image: Image) -> Result<PathBuf, Failure> {
     Ok(built)
 }
 
-/// The emulator: the one that OUTERLOOP_EMULATOR names, else a release's, else that of the present checkout.
+/// The emulator: the one named by OUTERLOOP_EMULATOR, else a release's, else that of the current checkout.
 ///
 /// # Errors
 /// No checkout here, or a build that fails.
@@ -57,14 +57,14 @@ pub fn built_emulator() -> Result<PathBuf, Failure> {
     Ok(built)
 }
 
-/// What a release has beside this program.
+/// A file that a release places next to this program.
 fn bundled_file(name: &str) -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     Some(program.parent()?.join(name)).filter(|file| file.is_file())
 }
 
-/// Says before a long build what is built and how long that takes; a build that only looks whether something has changed
-/// is not worth a word.
+/// Announces a long build: what is built, and how long it takes. Says nothing if the file exists and a build only checks
+/// for changes.
 fn announce(built: &Path, what: &str, takes: &str) {
     if !built.is_file() {
         eprintln!(
@@ -73,7 +73,7 @@ fn announce(built: &Path, what: &str, takes: &str) {
     }
 }
 
-/// The folder with `firmware` and `emu` in it: here or above. Nothing is built anywhere else.
+/// The folder that contains `firmware` and `emu`: the current one or one above it. Nothing is built elsewhere.
 fn checkout() -> Result<PathBuf, Failure> {
     let here = std::env::current_dir().unwrap_or_default();
     let is_root =
@@ -95,7 +95,7 @@ fn target_folder(root: &Path) -> PathBuf {
 }
 
 fn run(build: &mut Command) -> Result<(), Failure> {
-    // Its own account goes to standard error: standard output belongs to the result.
+    // Build messages go to standard error: standard output is for the result.
     let out = build
         .stdout(Stdio::null())
         .status()

@@ -1,4 +1,4 @@
-//! A commissioning signal on a board: what was commanded, what moved, what pushed back.
+//! A commissioning signal on a board: the command, the displacement, the force.
 
 use super::connection::Connection;
 use super::cross_readings::CrossReadings;
@@ -21,24 +21,24 @@ use link::telemetry::StepReport;
 use link::{Command, MAX_ACTUATORS};
 use outerloop_core::{Config, Event, Fault, Mode, Record, Trip};
 
-/// Steps for which the command has to stand after the end.
+/// Steps for which the command must stand still after the end.
 const REST_STEPS: u32 = 40;
 
-/// Steps before arming.
+/// Steps observed before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Steps by which a signal may be shorter than it was to be, from the order to its end.
+/// Steps by which a signal may be shorter than planned, from the start command to its end.
 const SHORT_STEPS: usize = 4;
 
 fn given_up() -> Failure {
     Failure::test("the signal was given up before anything moved")
 }
 
-/// Moves an actuator, from 0, by a trajectory under the limits of `test`, or those that follow from the trajectory. The board's
-/// other actuators stand at zero, under the same limits.
+/// Moves an actuator, numbered from 0, by a trajectory under the limits of `test`, or those that follow from the
+/// trajectory. The board's other actuators stand at zero, under the same limits.
 ///
 /// # Errors
-/// A trajectory beyond a limit that the test states; a board that is refused, not idle, not the one that the test names, or
+/// A trajectory beyond a limit of the test; a board that is refused, not idle, not the one that the test names, or
 /// without such an actuator; a signal that is refused; a link that is lost before the start.
 pub fn commission<P: Port>(
     board: &mut Connection<P>,
@@ -60,7 +60,7 @@ pub fn commission<P: Port>(
     }
     let plan = PlannedMotion::of_trajectory(test, trajectory, actuator);
     let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
-    // A signal takes no force, and may move by less than this limit of a test.
+    // A signal needs no force, and may move by less than this limit of a test.
     let mut config = test.config.clone();
     config.limits.force_stands_m = None;
     let (identity, config) = ready(board, (&config, Hold::Storeys), &plan, wanted)?;
@@ -88,11 +88,11 @@ pub fn commission<P: Port>(
     Ok(played)
 }
 
-/// One actuator that moves while the others stand.
+/// One actuator that moves while the others stand still.
 struct SingleActuator {
     actuator: usize,
     rate_hz: f64,
-    /// Of the signal.
+    /// Steps of the signal.
     steps: usize,
     identity: Identity,
     readings: CrossReadings,
@@ -100,7 +100,7 @@ struct SingleActuator {
 }
 
 impl SingleActuator {
-    /// The next step, if one has come, of a board that has not started again.
+    /// The next step, if one has come. Fails if the board has restarted.
     fn step<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -161,7 +161,7 @@ impl SingleActuator {
             match self.step(board)?.map(|(_, s)| (s.mode(), s.command_m)) {
                 Some((Some(Mode::Armed), 0.0)) => return Ok(()),
                 Some((Some(Mode::Approaching), _)) => approaches = true,
-                // Telemetry of the steps before arming is behind us.
+                // Telemetry of the steps before arming has all been read.
                 Some((Some(Mode::Idle), _)) if approaches => {
                     return Err(Failure::test(
                         "the approach to zero was ended by the board's button, and the board is idle",
@@ -178,7 +178,7 @@ impl SingleActuator {
         }
     }
 
-    /// The rig stands at zero, armed. One actuator moves when the person says so.
+    /// The rig stands at zero, armed. The actuator moves when the person says so.
     fn wait_for_go<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -220,7 +220,7 @@ impl SingleActuator {
         }
     }
 
-    /// The signal, from its start until the board is idle again, or stands tripped. Whatever ends it, what came is kept.
+    /// The signal, from its start until the board is idle again or tripped. Whatever ends it, what was received is kept.
     fn play<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -232,7 +232,7 @@ impl SingleActuator {
         let mut begin = None;
         let (early, finished) = loop {
             if interrupt::asked() && !std::mem::replace(&mut stopped, true) {
-                // Refused only by a board that has ended the signal by itself, and the telemetry says how.
+                // Refused only by a board that has already ended the signal, and then the telemetry says how.
                 let _ = event(board, Event::Stop);
             }
             let (tick, step) = match self.step(board) {
@@ -243,7 +243,7 @@ impl SingleActuator {
             let record = self.record(tick, &step);
             observer.on_step(&(&record).into());
             if let Some(asked) = observer.requested_event() {
-                // Refused only by a board that has ended the signal by itself.
+                // Refused only by a board that has already ended the signal.
                 stopped |= event(board, asked).is_ok();
             }
             match step.mode() {
@@ -274,13 +274,14 @@ impl SingleActuator {
         })
     }
 
-    /// That the signal has fewer steps than it was to have.
+    /// The reason, if the signal had fewer steps than planned.
     fn cut_short(&self, steps: usize) -> Option<String> {
-        // Nothing else ends one that has not tripped.
+        // Nothing else ends a signal that has not tripped.
         (steps + SHORT_STEPS < self.steps).then(|| Played::BY_BUTTON.to_owned())
     }
 
-    /// Permission goes when the command stands. Why it does not come to that, if it trips on its way.
+    /// Makes the board idle, and so drops PERMIT, when the command stands still. Gives the reason if the board trips
+    /// before that.
     fn come_to_rest<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -292,7 +293,7 @@ impl SingleActuator {
             };
             match step.mode() {
                 Some(Mode::Finished) => {}
-                // The reason of a trip is told when it stands.
+                // The reason for a trip is reported when the rig stands still.
                 Some(Mode::Stopping) => continue,
                 Some(Mode::Tripped) => return Ok(Some(self.tripped(board, step.fault()))),
                 _ => break,
@@ -307,7 +308,7 @@ impl SingleActuator {
         clear(board).map(|()| None)
     }
 
-    /// What a trip is told as; `fault`: what the telemetry says where the board itself is silent.
+    /// The sentence for a trip; `fault`: what the telemetry says, used if the board gives no reason.
     fn tripped<P: Port>(&self, board: &mut Connection<P>, fault: Option<Fault>) -> String {
         let trip = status(board).ok().and_then(|now| now.trip);
         let reason = match (trip, fault) {
@@ -317,7 +318,7 @@ impl SingleActuator {
         format!("the board tripped: {reason}")
     }
 
-    /// A step as the record of the actuator that moves.
+    /// A step as a record of the actuator that moves.
     fn record(&self, tick: u32, step: &StepReport) -> Record<1> {
         let mut record = Record::<1>::EMPTY;
         (record.tick, record.flags) = (tick, step.flags);
@@ -330,7 +331,7 @@ impl SingleActuator {
         record
     }
 
-    /// What looks wrongly wired; of a board with one actuator its polarity is all that can be seen.
+    /// What looks wrongly wired; on a board with one actuator only its polarity can be seen.
     fn wiring_mistake(&self, test: &TestFile) -> Option<String> {
         let structure = &test.config.structure;
         let storeys = &structure.stiffness_n_per_m;
@@ -338,7 +339,7 @@ impl SingleActuator {
         self.readings.wiring_mistake(&storeys[..physical])
     }
 
-    /// Why the board tripped, and at which actuator.
+    /// Why the board tripped, and on which actuator.
     fn reason(&self, trip: Option<Trip>) -> String {
         let Some(trip) = trip else {
             return "see `outerloop board status`".into();

@@ -1,5 +1,5 @@
-//! A test that is in force on a board: its events with the steps at which they were taken, and every step of it, worked
-//! out again on the PC. A test on a ground motion goes by it, and a rig that serves a model outside.
+//! A test in force on a board: its events with the steps at which they were taken, and every step, recomputed on the PC.
+//! Used both for a test on a ground motion and for a rig that serves an external model.
 
 use super::connection::Connection;
 use super::mirror::Mirror;
@@ -21,11 +21,11 @@ use link::telemetry::StepReport;
 use outerloop_core::watch::Instructions;
 use outerloop_core::{Config, DirectRig, Event, Fault, Mode, Record, Rig};
 
-/// Steps before arming: the loop averages where the specimen stands.
+/// Steps before arming, in which the loop averages the readings at rest.
 const IDLE_STEPS: u64 = 256;
 
-/// Steps for which the commands have to stand after the end, and where the PC knows the first alone: longer than any ramp, which is
-/// 2 s at most.
+/// Steps for which the commands must stand still after the end. The second applies where the PC knows only the first
+/// command: longer than any ramp, which takes at most 2 s.
 const REST_STEPS: u32 = 40;
 const UNSEEN_REST_STEPS: u32 = 10_000;
 
@@ -35,21 +35,21 @@ pub struct ConfiguredTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     since: u32,
     mode: Mode,
     command_m: f32,
-    /// What the board says that it has tripped on.
+    /// The fault reported by the board.
     fault: Option<Fault>,
-    /// Steps seen since the test is in force.
+    /// Steps seen since the test came into force.
     steps: u64,
     ticks: Ticks,
-    /// Steps lost, by the connection's count, before the test was in force.
+    /// Steps that the connection had lost before the test came into force.
     lost_before: u64,
-    /// What the board records beside, while the test runs.
+    /// Further inputs that the board records during the test.
     further: Option<FurtherInputs>,
-    /// The latest step, whose record is worked out when the next one has come.
+    /// The latest step. Its record is computed when the next one has come.
     latest: Option<(u32, StepReport)>,
 }
 
 impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
-    /// Of a test that is in force on `board` from step `since` on; the board is `identity`.
+    /// A test that is in force on `board` from step `since` on; the board is `identity`.
     pub fn new<P: Port>(
         board: &Connection<P>,
         mirror: Mirror<'a, N, R>,
@@ -70,17 +70,17 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         }
     }
 
-    /// What the loop was doing in the last step.
+    /// The loop's mode in the last step.
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// Steps seen since the test is in force.
+    /// Steps seen since the test came into force.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// What the board has tripped on, by its telemetry.
+    /// The fault on which the board tripped, from its telemetry.
     pub fn fault(&self) -> Option<Fault> {
         self.fault
     }
@@ -93,17 +93,17 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// Sends an event.
     ///
     /// # Errors
-    /// A link that is gone; an event that is refused.
+    /// A lost link; an event that is refused.
     pub fn send<P: Port>(&mut self, board: &mut Connection<P>, what: Event) -> Result<(), Failure> {
         let tick = event(board, what)?;
         self.mirror.event(tick, what);
         Ok(())
     }
 
-    /// Has the board watch the test by what it is `told` of each actuator.
+    /// Has the board watch the test, with the instructions `told` for each actuator.
     ///
     /// # Errors
-    /// As [`done`]; something that the board's watch cannot be told.
+    /// As [`done`]; an instruction that the board's watch cannot take.
     pub fn watch<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -120,7 +120,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(())
     }
 
-    /// Has `observer` judge what the board's rig watch has been given.
+    /// Has `observer` judge the blocks of the board's rig watch.
     pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
         self.mirror.be_judged(observer);
     }
@@ -128,21 +128,21 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// Sends the next target of each actuator, m.
     ///
     /// # Errors
-    /// A link that is gone; a target that is refused.
+    /// A lost link; a target that is refused.
     pub fn aim<P: Port>(
         &mut self,
         board: &mut Connection<P>,
         target_m: [f32; N],
     ) -> Result<(), Failure> {
-        // A board has no more actuators than a target has room for, and the test as many as the board.
+        // A board has no more actuators than a target has room for, and the test has as many as the board.
         let targets = target_m.into_iter().take(MAX_ACTUATORS).collect();
         let tick = done(board, "target", &Command::Target(targets))?;
         self.mirror.target(tick, target_m);
         Ok(())
     }
 
-    /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse, and one that its
-    /// button has held stops.
+    /// Ends the test. Telemetry comes some steps late: if the board has already ended, a refusal is no error, and if its
+    /// button holds it, it is stopped.
     ///
     /// # Errors
     /// As [`ConfiguredTest::send`].
@@ -157,7 +157,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         }
     }
 
-    /// True if a step that has come is of the test that is in force, which no board has that has started again.
+    /// True if a received step belongs to the test in force. Fails if the board has restarted.
     fn note<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -165,7 +165,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         step: &StepReport,
     ) -> Result<bool, Failure> {
         if self.ticks.take(tick).is_none() {
-            // It has no test, and nothing has to come to rest.
+            // It has no test any more, and nothing has to come to rest.
             self.mode = Mode::Idle;
             return Err(started_again(board));
         }
@@ -179,7 +179,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(ours)
     }
 
-    /// Works out the record of the step before this one, and looks at what else the board recorded in it.
+    /// Computes the record of the previous step, and adds the further inputs recorded in it.
     fn take(&mut self, tick: u32, step: StepReport) -> Option<Record<N>> {
         let before = self.latest.replace((tick, step));
         let record = self.mirror.take(tick, step)?;
@@ -192,17 +192,17 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             return;
         };
         if step.mode().is_some_and(Mode::integrates) {
-            // Of a step that could not be worked out again the telemetry has a target, and not what a predictor sent for it.
+            // For a step that could not be recomputed the telemetry has the target, but not what a predictor sent for it.
             let known = if self.mirror.is_in_step() { N } else { 0 };
             further.add_step(tick, &record.sent_m[..known], &step);
         }
     }
 
-    /// The next step of the test that is in force, and the record of the one before it; nothing where no step has come for some
-    /// milliseconds.
+    /// Receives the next step of the test in force and gives the record of the one before it; `None` at the first step, or if
+    /// none has come for some milliseconds.
     ///
     /// # Errors
-    /// A link that is gone; a board that has started again.
+    /// A lost link; a board that has restarted.
     pub fn next<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -215,7 +215,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(None)
     }
 
-    /// The records of the steps that have come by now; waits some milliseconds where none has.
+    /// The records of all steps received so far; waits some milliseconds if there are none.
     ///
     /// # Errors
     /// As [`ConfiguredTest::next`].
@@ -229,7 +229,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(records)
     }
 
-    /// The record of the last step, after which none came.
+    /// The record of the last step, when no more will come.
     pub fn last(&mut self) -> Option<Record<N>> {
         let record = self.mirror.last()?;
         let latest = self.latest.take();
@@ -237,11 +237,11 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Some(record)
     }
 
-    /// Idle; the person's word that the rig stands where the test `config` takes it to be; arming, and the way to the start position,
-    /// which Ctrl-C ends.
+    /// Idle steps, then the person's word that the rig stands where `config` assumes, then arming and the approach to the
+    /// start position, which Ctrl-C ends.
     ///
     /// # Errors
-    /// A person who gives it up; a board that does not arm, that trips on its way, or whose button has ended it.
+    /// A person who gives up; a board that does not arm, that trips during the approach, or whose button has ended it.
     pub fn arm<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -280,7 +280,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             }
             match self.mode {
                 Mode::Armed if self.command_m == 0.0 => return Ok(()),
-                // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
+                // Telemetry of the steps before arming has all been read: the board's button has ended the approach.
                 Mode::Idle if self.mirror.has_armed() => {
                     return Err(Failure::test(
                         "the approach to the start was ended by the board's button, and the board is idle",
@@ -301,7 +301,8 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
     /// The rig stands at the start, armed. It moves when the person says so.
     ///
     /// # Errors
-    /// A person who gives the test up; a board that trips.
+    /// A person who gives the test up; a step that could not be recomputed; a board that trips, or whose button has ended
+    /// the test.
     pub fn wait_for_go<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -341,7 +342,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         }
     }
 
-    /// Starts what stands armed. Where the board refuses that, nothing stays armed.
+    /// Starts the armed test. If the board refuses, it does not stay armed.
     ///
     /// # Errors
     /// As [`ConfiguredTest::send`].
@@ -354,7 +355,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         started
     }
 
-    /// Goes on after a hold. A board whose button is still pressed does not, and the person is asked again.
+    /// Resumes after a hold. A board whose button is still pressed refuses, and the person is asked again.
     ///
     /// # Errors
     /// As [`ConfiguredTest::ask_for`].
@@ -374,8 +375,8 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(())
     }
 
-    /// From the end of a test until every command stands: the deceleration ramp is over, and permission may go. A finished board is
-    /// idle then; one that has tripped on its way stands tripped, for somebody to look.
+    /// Waits from the end of a test until every command stands still: the deceleration ramp is over, and PERMIT may fall.
+    /// A finished board is then made idle; one that has tripped stays tripped, for somebody to look.
     ///
     /// # Errors
     /// As [`ConfiguredTest::next`]; a board that cannot be cleared.
@@ -393,7 +394,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             let Some(record) = self.next(board)? else {
                 continue;
             };
-            // What is not known of a step that was lost does not move.
+            // An unknown command of a lost step counts as standing still.
             let known_m = record.command_m.map(|m| if m.is_nan() { 0.0 } else { m });
             standing = if known_m == last_m { standing + 1 } else { 0 };
             last_m = known_m;
@@ -401,10 +402,10 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         Ok(())
     }
 
-    /// Until the board has come to rest by itself, and is idle then.
+    /// Waits until the board has come to rest by itself, then makes it idle unless it tripped.
     ///
     /// # Errors
-    /// A link that is gone; a board that cannot be cleared.
+    /// A lost link; a board that cannot be cleared.
     pub fn until_still<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
         while !matches!(self.mode, Mode::Idle | Mode::Finished | Mode::Tripped) {
             self.next(board)?;
@@ -412,11 +413,11 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         self.come_to_rest(board)
     }
 
-    /// An event that somebody asks for. If it means nothing any more to a board whose telemetry comes some steps late, it does not
-    /// happen, and nothing is lost.
+    /// Sends an event that somebody requested. Telemetry comes some steps late: if the event no longer applies in the
+    /// board's present mode, it is dropped without an error.
     ///
     /// # Errors
-    /// As [`ConfiguredTest::send`], where the event means something now.
+    /// As [`ConfiguredTest::send`], if the event still applies.
     pub fn ask_for<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -431,7 +432,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         }
     }
 
-    /// What the board reports beside the test, once. `link`: why the link was lost; `trip`: what it tripped on.
+    /// What the board reports about the test. Call once. `link`: why the link was lost; `trip`: the fault it tripped on.
     pub fn account<P: Port>(
         &mut self,
         board: &Connection<P>,

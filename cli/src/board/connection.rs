@@ -1,4 +1,4 @@
-//! Commands and their answers, and the telemetry between them.
+//! Commands and their replies, and the telemetry between them.
 
 use super::port::Port;
 use experiment::failure::Failure;
@@ -12,27 +12,29 @@ use outerloop_core::Event;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// The PC sends a heartbeat (it asks for the status) after so many control steps at most: the board gives the PC up after 1000.
+/// The PC sends a heartbeat (a status request) after at most this many control steps. The board gives the PC up after
+/// 0.5 s, 1000 steps at 2 kHz.
 const HEARTBEAT_STEPS: u32 = 200;
 
-/// And after so long at most, should no steps arrive.
+/// And after at most this time, if no steps arrive.
 const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(100);
 
-/// A command is repeated, under its one number, for so many times [`Timeouts::silence`].
+/// A command is repeated, under the same number, for this many times [`Timeouts::silence`].
 const ATTEMPTS: u32 = 4;
 
-/// Who has heard nothing of a test for so long does not keep it alive: the board gives the PC up after as much again, and goes to a
-/// standstill. No motion is asked for any longer either.
+/// A PC that has heard nothing for this long sends no more heartbeats. The board gives it up after as much again, and
+/// brings the rig to rest. No motion is requested any more, either.
 const UNSEEN: Duration = Duration::from_millis(500);
 
 /// How long the PC waits.
 #[derive(Clone, Copy, Debug)]
 pub struct Timeouts {
-    /// For the answer to a command, before it is sent again.
+    /// For the reply to a command, before it is sent again.
     pub answer: Duration,
-    /// For the answer to what moves or stops the rig, before it is sent again: the board gives the PC up after 0.5 s.
+    /// For the reply to an event, a target or a status request, before it is sent again: the board gives the PC up after
+    /// 0.5 s.
     pub stop: Duration,
-    /// For any frame at all, before the link counts as lost.
+    /// For any frame: four times this without one, and the link counts as lost.
     pub silence: Duration,
 }
 
@@ -54,17 +56,17 @@ pub struct Connection<P> {
     ticks: Ticks,
     sequence: u16,
     answers: VecDeque<NumberedReply>,
-    /// A reply came that this program cannot read: of the same version of the link, and of newer firmware.
+    /// A reply came that this program cannot decode: the link has the same version, the firmware is newer.
     foreign: bool,
     steps: VecDeque<(u32, StepReport)>,
-    /// When the last frame came, by the port's time, and when somebody looked last.
+    /// When the last frame came, and when the port was last read, by the port's time.
     heard: Duration,
     looked: Duration,
     last_heartbeat: Duration,
     steps_since_heartbeat: u32,
 }
 
-/// A connection to a board, whatever the bytes go over.
+/// A connection to a board over any kind of port.
 pub type BoardConnection = Connection<Box<dyn Port>>;
 
 impl<P: Port> Connection<P> {
@@ -77,7 +79,7 @@ impl<P: Port> Connection<P> {
             decoder: Decoder::new(),
             frames: Continuity::new(),
             ticks: Ticks::new(),
-            // The number of an earlier session's last command must not come again: the board would only repeat itself.
+            // Must differ from the number of an earlier session's last command: the board would only repeat its reply.
             sequence: now.subsec_micros() as u16 ^ now.as_secs() as u16,
             answers: VecDeque::new(),
             foreign: false,
@@ -89,10 +91,10 @@ impl<P: Port> Connection<P> {
         }
     }
 
-    /// Sends `command` and waits for its answer. Telemetry that comes meanwhile is kept.
+    /// Sends `command` and waits for its reply. Telemetry that comes meanwhile is kept.
     ///
     /// # Errors
-    /// The link is gone, or the board is silent or of another version.
+    /// The link is lost, or the board is silent or of another version.
     pub fn ask(&mut self, command: &Command) -> Result<Reply, Failure> {
         let request = self.next_request();
         let wire = command.encode(request).map_err(|_| {
@@ -102,7 +104,7 @@ impl<P: Port> Connection<P> {
             command,
             Command::Event(_) | Command::Target(_) | Command::Status
         );
-        // It is repeated soon, under its one number; in all it is given as long as any other.
+        // An urgent command is only repeated sooner, under the same number; a start or a target is also given up sooner.
         let timeout = if urgent {
             self.timeouts.stop
         } else {
@@ -116,7 +118,7 @@ impl<P: Port> Connection<P> {
         };
         let given_up = self.port.now() + longest;
         while self.port.now() < given_up {
-            // The zero ends whatever stood on the line before.
+            // The zero ends any partial frame on the line.
             self.send(&[0])?;
             self.send(&wire)?;
             let until = self.port.now() + timeout;
@@ -143,10 +145,10 @@ impl<P: Port> Connection<P> {
         ))
     }
 
-    /// A step of the telemetry, if one is there; shows the board that the PC is there.
+    /// A step of the telemetry, if there is one; sends a heartbeat when one is due.
     ///
     /// # Errors
-    /// The link is gone.
+    /// The link is lost.
     pub fn step(&mut self) -> Result<Option<(u32, StepReport)>, Failure> {
         if self.steps.is_empty() {
             self.receive()?;
@@ -155,10 +157,10 @@ impl<P: Port> Connection<P> {
         Ok(self.steps.pop_front())
     }
 
-    /// Keeps the telemetry that comes, and shows the board that the PC is there, while something else is waited for.
+    /// Keeps the telemetry that comes, and sends heartbeats when due, while the caller waits for something else.
     ///
     /// # Errors
-    /// The link is gone.
+    /// The link is lost.
     pub fn listen(&mut self) -> Result<(), Failure> {
         self.receive()?;
         self.show_life()
@@ -181,10 +183,10 @@ impl<P: Port> Connection<P> {
         Ok(())
     }
 
-    /// The steps that have come by now; waits some milliseconds where none has.
+    /// The steps received so far; waits some milliseconds if there are none.
     ///
     /// # Errors
-    /// The link is gone.
+    /// The link is lost.
     pub fn steps(&mut self) -> Result<Vec<(u32, StepReport)>, Failure> {
         let first = self.step()?;
         Ok(first.into_iter().chain(self.steps.drain(..)).collect())
@@ -195,12 +197,12 @@ impl<P: Port> Connection<P> {
         self.steps.clear();
     }
 
-    /// Steps of the telemetry that were received, and that are missing between them.
+    /// Steps of the telemetry that were received, and steps missing between them.
     pub fn counted(&self) -> (u64, u64) {
         (self.ticks.received(), self.ticks.lost())
     }
 
-    /// Frames missing between those that came, and what the decoder has seen.
+    /// Frames missing between those received, and the decoder's counts.
     pub fn frames(&self) -> (u64, DecoderCounts) {
         (self.frames.lost(), self.decoder.seen())
     }
@@ -225,7 +227,7 @@ impl<P: Port> Connection<P> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
         let now = self.port.now();
-        // While nobody looked, nobody was silent.
+        // Time in which nobody read the port is not silence.
         if now.saturating_sub(self.looked) > self.timeouts.silence {
             self.heard = now;
         }
@@ -234,7 +236,7 @@ impl<P: Port> Connection<P> {
             let Some(frame) = self.decoder.push(byte) else {
                 continue;
             };
-            // Noise on a line that is open is nobody.
+            // Only a whole frame counts: noise on an open line does not.
             self.heard = now;
             self.frames.take(frame.sequence);
             match frame.kind {

@@ -1,22 +1,22 @@
-//! How every actuator answered while one of them was moved: the specimen's stiffness, a column for each actuator that is
-//! moved, and wires that are not where they should be.
+//! How every actuator responded while one of them was moved: the specimen's stiffness, one column per moved actuator, and
+//! wires that are exchanged.
 //!
 //! Forces are fitted with `force = constant + stiffness * displacement + mass * acceleration` of the actuator that moves,
-//! since a head and what hangs on it have a mass that a fast signal shows as a negative stiffness.
+//! since its head and what it carries have a mass, which in a fast signal looks like a negative stiffness.
 
 use link::reply::Identity;
 use link::telemetry::StepReport;
 
-/// Half the time over which an acceleration is formed, s.
+/// Half the time over which an acceleration is computed, s.
 const ACCELERATION_S: f64 = 8e-3;
-/// A force of which the fit explains less than this share has not answered.
+/// A force of which the fit explains less than this share has not responded.
 const EXPLAINED: f64 = 0.8;
 /// A stiffness below this share of the declared one means that no specimen is connected.
 const CONNECTED: f64 = 0.1;
-/// Steps that are looked back at when a sensor stood at its rail.
+/// Steps searched back for a sensor at its rail.
 const LATEST: usize = 4;
 
-/// What all actuators read while one moved.
+/// The readings of all actuators while one moved.
 #[derive(Clone, Debug)]
 pub struct CrossReadings {
     moved: usize,
@@ -27,12 +27,12 @@ pub struct CrossReadings {
     /// Of each actuator, m and N.
     displacement_m: Vec<Vec<f64>>,
     force_n: Vec<Vec<f64>>,
-    /// Sensors at their rails in the latest steps: actuator from 0, and which.
+    /// Sensors at their rails, step by step: the actuator, from 0, and the sensor's name.
     railed: Vec<Option<(usize, &'static str)>>,
 }
 
 impl CrossReadings {
-    /// Nothing yet, of the board `identity`, whose actuator `moved`, from 0, is moved.
+    /// No readings yet, from the board `identity`; the actuator `moved`, from 0, is moved.
     pub fn new(identity: &Identity, moved: usize, rate_hz: f64, least_m: f64) -> Self {
         let each = || vec![Vec::new(); identity.actuators()];
         Self {
@@ -57,7 +57,7 @@ impl CrossReadings {
         }
     }
 
-    /// Looks for a sensor at its rail, in any step.
+    /// Notes whether a sensor is at its rail in this step.
     pub fn look_for_rails(&mut self, identity: &Identity, step: &StepReport) {
         let sensors = (0..identity.actuators()).flat_map(|actuator| {
             let [displacement, force] = step.codes(actuator).unwrap_or_default();
@@ -71,7 +71,7 @@ impl CrossReadings {
             .push(at_rail.next().map(|(actuator, name, _)| (actuator, name)));
     }
 
-    /// The last sensor that stood at its rail, in words.
+    /// The last sensor at its rail, in words.
     pub fn rail(&self) -> Option<String> {
         let mut latest = self.railed.iter().rev().take(LATEST).flatten();
         latest.next().map(|(actuator, name)| {
@@ -82,7 +82,7 @@ impl CrossReadings {
         })
     }
 
-    /// Force on each actuator over the displacement of the one that moves, N/m; `None` where no force answered.
+    /// Force on each actuator over the displacement of the one that moves, N/m; `None` where no force responded.
     pub fn stiffness_n_per_m(&self) -> Vec<Option<f64>> {
         let wing = ((ACCELERATION_S * self.rate_hz).round() as usize).max(1);
         let u = &self.displacement_m[self.moved];
@@ -98,7 +98,7 @@ impl CrossReadings {
             .collect()
     }
 
-    /// What looks wrongly wired, beside the declared stiffness of the storeys, from the ground up, N/m.
+    /// What looks wrongly wired, given the declared stiffnesses of the storeys, from the ground up, N/m.
     pub fn wiring_mistake(&self, storeys_n_per_m: &[f64]) -> Option<String> {
         self.exchanged_motion()
             .or_else(|| self.exchanged_forces(storeys_n_per_m))
@@ -170,7 +170,7 @@ fn stiffness(u: &[f64], a: &[f64], f: &[f64]) -> Option<f64> {
     let (uu, aa, ua) = (dot(u, u), dot(a, a), dot(u, a));
     let (uf, af, ff) = (dot(u, f), dot(a, f), dot(f, f));
     let determinant = uu * aa - ua * ua;
-    // A sine has no acceleration of its own: what is found then is the stiffness less the inertia.
+    // In a sine, acceleration is proportional to displacement: the fit then gives the stiffness less the inertia.
     let (k, m) = if determinant > 1e-3 * uu * aa {
         let k = (uf * aa - af * ua) / determinant;
         (k, (af * uu - uf * ua) / determinant)
@@ -180,8 +180,8 @@ fn stiffness(u: &[f64], a: &[f64], f: &[f64]) -> Option<f64> {
     (k * uf + m * af > EXPLAINED * ff).then_some(k)
 }
 
-/// Under the triangle that a second difference over `wing` steps puts on an acceleration: what holds between displacement,
-/// acceleration and force holds between all three so smoothed.
+/// Weighted by the triangle that a second difference over `wing` steps applies to an acceleration: a relation between
+/// displacement, acceleration and force also holds between all three when so smoothed.
 fn smoothed(x: &[f64], wing: usize) -> Vec<f64> {
     let w = wing as isize;
     let weight = |j: isize| (w - j.abs()) as f64 / (w * w) as f64;

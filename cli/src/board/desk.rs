@@ -26,18 +26,18 @@ use std::path::Path;
 /// The test of the desk.
 const TEST: &str = include_str!("../../../examples/desk.toml");
 
-/// What the inputs are calibrated to: force over displacement is the stiffness of the test.
+/// Full scale of the inputs: force over displacement is the stiffness of the test.
 const HALF_M: f32 = 0.05;
 const FULL_N: f32 = 7900.0;
 
-/// Longest way of a period from its own length, cycles.
+/// Largest accepted deviation of a control period from its nominal length, cycles.
 const PERIOD_OFF_CYCLES: u32 = 100;
 
-/// Length of a method's test, s.
+/// Length of the test of each method, s.
 const METHOD_S: f64 = 0.25;
 
-/// Cycles of each method's most expensive step by the model of the chip (docs/methods-validation.md), one storey in the laboratory. It
-/// is the loop alone: what the board times has the sample before it and the command behind it in it, too.
+/// Cycles of each method's most expensive step by the model of the chip (docs/methods-validation.md), with one storey in
+/// the laboratory. This is the loop alone: the time that the board measures includes sampling and command output.
 pub const MODEL_CYCLES: [(&str, u32); 30] = [
     ("none", 1209),
     ("eq14-unguarded", 1287),
@@ -71,7 +71,7 @@ pub const MODEL_CYCLES: [(&str, u32); 30] = [
     ("paper+hydraulic", 2399),
 ];
 
-/// What the desk rehearses: every method, and `paper` behind each predictor, which are the most expensive of all.
+/// What the desk rehearses: every method, and `paper` behind each predictor, the most expensive combinations.
 pub fn methods() -> Vec<Method> {
     let predictors = Prediction::ALL.iter().copied();
     let pairs = predictors
@@ -80,18 +80,18 @@ pub fn methods() -> Vec<Method> {
     Method::ALL.into_iter().chain(pairs).collect()
 }
 
-/// Saves, after which a sector of 128 KiB with slots of 2 KiB has been full once.
+/// Number of saves that fills a sector of 128 KiB with slots of 2 KiB once.
 const SAVES: u32 = 66;
 
-/// Within so many steps a test that is stopped has ended.
+/// Steps within which a stopped test has ended.
 const STOPPED_STEPS: u32 = 8000;
 
-/// The calibration of a board of `codes` with four wires.
+/// The calibration of a board with four wires, for its `codes`.
 pub fn calibration(codes: &CodeRange) -> Calibration {
     Calibration::over(HALF_M, FULL_N, codes)
 }
 
-/// The test of the desk, for `seconds`, at `rate_hz`.
+/// The desk's test, for `seconds`, at `rate_hz`.
 ///
 /// # Errors
 /// A length or a rate that no test can have.
@@ -127,7 +127,7 @@ pub struct DeskRow {
 }
 
 impl DeskRow {
-    /// What was found where nothing failed, and else why it failed.
+    /// A row of a result, or of the reason for a failure.
     fn of(what: String, limit: &str, found: Result<(String, bool), Failure>) -> Self {
         let (found, good) = found.unwrap_or_else(|why| (why.to_string(), false));
         Self {
@@ -153,7 +153,7 @@ impl DeskRow {
     }
 }
 
-/// The steps of a control period as the board has timed them, and whether they keep it.
+/// The board's timing of its periods and steps in words, and whether it meets the limits.
 fn timed(timing: &Timing, dropped: u32) -> (String, bool) {
     let off = |cycles: u32| cycles.abs_diff(timing.period_cycles);
     let (short, long) = (timing.shortest_period_cycles, timing.longest_period_cycles);
@@ -170,7 +170,7 @@ pub fn idle(board: &mut BoardConnection, rate_hz: u32, seconds: f64) -> DeskRow 
     let found = (|| {
         let experiment = experiment(1.0, rate_hz)?;
         configure(board, &experiment)?;
-        // The period in which the rate changes is of neither: the times count from the second order on.
+        // The period in which the rate changes fits neither rate: timing counts from the second command on.
         configure(board, &experiment)?;
         pass(board, (seconds * f64::from(rate_hz)) as u32)?;
         let now = status(board)?;
@@ -180,14 +180,14 @@ pub fn idle(board: &mut BoardConnection, rate_hz: u32, seconds: f64) -> DeskRow 
     DeskRow::of(what, "+-100 cycles, none late, none lost", found)
 }
 
-/// The fastest control rate of a board, Hz: one that divides its timer's clock.
+/// The fastest control rate of a board, Hz, that divides its timer's clock.
 pub fn fastest_hz(identity: &Identity) -> u32 {
     let divides = |hz: &u32| identity.timer_hz.is_multiple_of(*hz);
     let rates = (1..=identity.fastest_rate_hz).rev();
     rates.into_iter().find(divides).unwrap_or(identity.rate_hz)
 }
 
-/// A test as it is worked out for a board.
+/// The ideal response of a test and its planned motion.
 fn planned(experiment: &Experiment) -> Result<(Response, PlannedMotion), Failure> {
     let ideal = experiment.ideal()?;
     let plan = PlannedMotion::of(experiment, &ideal);
@@ -202,7 +202,7 @@ fn configure(board: &mut BoardConnection, experiment: &Experiment) -> Result<(),
     done(board, "configure", &Command::Configure(config.into())).map(drop)
 }
 
-/// Lets so many steps pass.
+/// Waits for this many steps.
 fn pass(board: &mut BoardConnection, steps: u32) -> Result<(), Failure> {
     let mut seen = 0;
     while seen < steps {
@@ -214,7 +214,7 @@ fn pass(board: &mut BoardConnection, steps: u32) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A test with `method` for `seconds` over the four wires; the board comes back.
+/// A test with `method` for `seconds` over the four wires; gives the board back.
 fn test(
     board: BoardConnection,
     method: Method,
@@ -233,7 +233,7 @@ fn test(
     }
 }
 
-/// Each of `methods` in a test of its own: the board rehearses it before it takes it, and times every step.
+/// A test for each of `methods`: the board rehearses each before it accepts it, and times every step.
 pub fn each_method(
     mut board: BoardConnection,
     methods: &[Method],
@@ -257,7 +257,7 @@ pub fn each_method(
     (board, rows)
 }
 
-/// With the model's cycles of the method.
+/// Adds the model's cycles of the method.
 fn beside_the_model(method: Method, (found, good): (String, bool)) -> (String, bool) {
     let mut model = MODEL_CYCLES.iter();
     let of_method = model.find(|(name, _)| *name == method.name());
@@ -279,7 +279,7 @@ pub fn whole_test(board: BoardConnection, seconds: f64) -> (BoardConnection, Des
     (board, row)
 }
 
-/// What a test has come to, and whether the PC has worked out the same bits of all of it.
+/// The result of a test, and whether the PC computed the same bits for all of it.
 fn judged(summary: &Summary, whole: bool) -> (String, bool) {
     let Some((on, timing)) = summary.board.as_ref().and_then(|b| Some((b, b.timing?))) else {
         return (summary.sentence(), false);
@@ -309,7 +309,7 @@ fn judged(summary: &Summary, whole: bool) -> (String, bool) {
     (found, ended && proven && exact && trip.is_none())
 }
 
-/// Saves until a sector has been full and is erased. The board is not calibrated: nothing that it keeps makes it look so.
+/// Saves until a sector is full and is erased. The board is not calibrated, and no save makes it look calibrated.
 pub fn saves(board: &mut BoardConnection) -> DeskRow {
     let found = (|| {
         configure(board, &experiment(1.0, 2000)?)?;
@@ -323,7 +323,7 @@ pub fn saves(board: &mut BoardConnection) -> DeskRow {
     DeskRow::of(what, "+-100 cycles, none late, none lost", found)
 }
 
-/// Takes the calibration of the desk back: a rig on this board is not armed with it.
+/// Takes the desk's calibration back, so that no rig on this board can be armed with it.
 pub fn forget(board: &mut BoardConnection) -> DeskRow {
     let found = (|| {
         let codes = identify(board)?.codes;
@@ -335,9 +335,9 @@ pub fn forget(board: &mut BoardConnection) -> DeskRow {
     DeskRow::of(what, "calibrated: false", found)
 }
 
-/// After something that was not as it has to be: a test that runs stops, and the calibration goes.
+/// After a failure: stops a running test, and takes the calibration back.
 fn give_up(board: &mut BoardConnection) {
-    // Where the board does not do this either, the row says already that it is not as it has to be.
+    // If the board does not do this either, the row already says that it failed.
     let _ = event(board, Event::Stop).and_then(|_| pass(board, STOPPED_STEPS));
     let _ = clear(board);
     forget(board);
@@ -347,7 +347,7 @@ fn give_up(board: &mut BoardConnection) {
 mod tests {
     use super::*;
 
-    /// The desk itself calibrates the board; by hand somebody copies these.
+    /// The desk calibrates the board itself; these are copied by a person who does it by hand.
     #[test]
     fn the_calibrations_on_the_page_are_those_that_the_desk_goes_by() {
         let page = include_str!("../../../docs/desk.md");
@@ -371,7 +371,7 @@ mod tests {
                 (copied.force, made.force),
                 (copied.command, made.command),
             ] {
-                // As many digits as a person copies.
+                // To the digits that a person copies.
                 let off = (copied.per_code / made.per_code - 1.0).abs();
                 assert!(off < 5e-5, "{copied:?} for {made:?}");
                 assert_eq!(copied.zero_code, made.zero_code);

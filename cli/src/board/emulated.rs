@@ -18,15 +18,15 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Floors and sampling clock of the images.
+/// Floors, sampling clock and slowest rate of the images.
 const IMAGE_FLOORS: usize = 3;
 const IMAGE_TIMER_HZ: f64 = 84e6;
 const IMAGE_SLOWEST_HZ: f64 = 100.0;
 
-/// Says no to a test that the image cannot run, before anything is built.
+/// Refuses a test that the image cannot run, before anything is built.
 ///
 /// # Errors
-/// What of the test the image does not have.
+/// What the test needs and the image does not have.
 pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     let config = &test.config;
     let floors = config.degrees_of_freedom();
@@ -64,28 +64,28 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The rig file that the emulator is started with.
+/// The rig file for the emulator.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EmulatedRig {
     /// The rig behind the converters.
     pub rig: RigSpec,
-    /// Two coupled actuators in place of those of `rig`, whose sensors they have.
+    /// Two coupled actuators in place of those of `rig`; they have its sensors.
     pub coupled: Option<CoupledLaboratory>,
-    /// Stiffness of the structure's storeys with an actuator, N/m.
+    /// Stiffness of each storey that has an actuator, N/m.
     pub storey_n_per_m: Vec<f64>,
     /// Rate at which the rig is stepped, Hz: the control rate.
     pub rate_hz: f64,
     /// Seed of everything random in it.
     pub seed: u64,
-    /// The ranges of its sensors and of its actuators, of all the same.
+    /// The ranges of the sensors and actuators, the same for all.
     pub calibration: Calibration,
     /// The image, and so the converters.
     pub image: Image,
-    /// It goes by the wall clock, as a board would, and not as fast as it can.
+    /// Runs by the wall clock, as a board would, and not as fast as possible.
     pub real_time: bool,
-    /// Four wires on a desk in place of the rig: the command is displacement and force.
+    /// Four wires on a desk in place of the rig: the command is both displacement and force.
     pub four_wires: bool,
-    /// What is done to the board 0.3 s after PERMIT came.
+    /// What is done to the board 600 control steps after PERMIT came, 0.3 s at 2 kHz.
     pub incident: Option<Incident>,
 }
 
@@ -94,7 +94,7 @@ pub struct EmulatedRig {
 pub struct CoupledLaboratory {
     /// The rig.
     pub rig: CoupledRigSpec,
-    /// Where the actuators hold the coupler.
+    /// Where the actuators are attached to the coupler.
     pub coupler: CouplerSpec,
 }
 
@@ -127,10 +127,10 @@ impl EmulatedRig {
         }
     }
 
-    /// A bare board with four wires, on which `image` runs and to which `incident` comes.
+    /// A bare board with four wires, which runs `image` and undergoes `incident`.
     ///
     /// # Errors
-    /// None, while the test of the desk is one.
+    /// None, as long as the desk's test is valid.
     pub fn on_desk(image: Image, incident: Option<Incident>) -> Result<Self, Failure> {
         let laboratory = Self::of(&desk::experiment(1.0, 2000)?.test, 1);
         Ok(Self {
@@ -142,8 +142,8 @@ impl EmulatedRig {
         })
     }
 
-    /// With sensors and an actuator of the size that is right for a test with these limits: ranges of 1, 2 or 5 times a
-    /// power of ten in which the limits can act and the noise at the plan's peaks meets no rail.
+    /// With sensors and an actuator sized for a test with these limits: ranges of 1, 2 or 5 times a power of ten in which
+    /// the limits can act and the noise at the plan's peaks reaches no rail.
     pub fn sized_for(mut self, limits: &Limits, plan: &PlannedMotion) -> Self {
         let of = |top: u16, spare: u16| 1.0 - 2.0 * f64::from(spare) / f64::from(top);
         let codes = &self.image.codes();
@@ -165,7 +165,7 @@ impl EmulatedRig {
         self
     }
 
-    /// With sensors and an actuator over so many metres to either side.
+    /// With sensors and an actuator of this range to either side, m.
     pub fn over(mut self, half_m: f32) -> Self {
         let codes = self.image.codes();
         let wide = Calibration::over(half_m, 1.0, &codes);
@@ -197,15 +197,15 @@ impl Emulated {
     /// Builds the image and the emulator, and starts them with `laboratory` behind the converters.
     ///
     /// # Errors
-    /// A checkout that cannot be found, or a build that fails: its last words.
+    /// A checkout that cannot be found; a build that fails; an emulator that does not start.
     pub fn start(laboratory: &EmulatedRig) -> Result<Self, Failure> {
         Self::with(&built_emulator()?, laboratory)
     }
 
-    /// The same with an emulator that has been built.
+    /// The same with an emulator that is already built.
     ///
     /// # Errors
-    /// As [`Emulated::start`]; an emulator that does not start.
+    /// As [`Emulated::start`].
     pub fn with(emulator: &Path, laboratory: &EmulatedRig) -> Result<Self, Failure> {
         let cannot = |what: &str, e: &dyn std::fmt::Display| {
             Failure::test(format!("--emulated: {what}: {e}"))
@@ -238,7 +238,7 @@ impl Emulated {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // It ends with its pipe; if it does not, it is ended.
+        // Its pipes are still open here, so it would not end by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -256,7 +256,7 @@ impl Turns for Emulator {
 }
 
 impl Emulator {
-    /// Counts and bytes as `emu` has them.
+    /// Lengths and bytes in the format of `emu`.
     fn turn(&mut self, bytes: &[u8]) -> io::Result<(u64, Vec<u8>)> {
         self.to.write_all(&(bytes.len() as u32).to_le_bytes())?;
         self.to.write_all(bytes)?;

@@ -1,4 +1,4 @@
-//! The images that can be flashed onto the NUCLEO-F429ZI, by what this program has to know of them before one runs.
+//! The images for the NUCLEO-F429ZI, with what this program must know of each before it runs.
 
 use experiment::files::test::TestFile;
 use link::CodeRange;
@@ -21,7 +21,7 @@ impl Image {
     /// All images.
     pub const ALL: [Self; 3] = [Self::Internal, Self::External, Self::Three];
 
-    /// The one that a test asks for; `None` if there is none with its actuators.
+    /// The image that a test requires; `None` if there is none with its actuators.
     pub fn of(test: &TestFile) -> Option<Self> {
         let config = &test.config;
         if test.coupled.is_some() {
@@ -35,7 +35,7 @@ impl Image {
         }
     }
 
-    /// Its actuators; a test has to have as many, or two on a coupler where there are three.
+    /// Its actuators. A test must have as many, or two on a coupler if the image has three.
     pub fn actuators(self) -> usize {
         match self {
             Self::Internal | Self::External => 1,
@@ -52,7 +52,7 @@ impl Image {
         }
     }
 
-    /// What it is built with beside the firmware's own features: of coupled actuators it takes three outputs to have the loop.
+    /// Features beyond the firmware's own: only the image with three outputs has the loop of coupled actuators.
     pub fn features(self) -> &'static [&'static str] {
         match self {
             Self::Internal | Self::External => &[],
@@ -60,7 +60,7 @@ impl Image {
         }
     }
 
-    /// The variable that names a file with it.
+    /// The environment variable that names a file with it.
     pub fn variable(self) -> &'static str {
         match self {
             Self::Internal => "OUTERLOOP_IMAGE",
@@ -77,7 +77,7 @@ impl Image {
         }
     }
 
-    /// Widths of its converters; the board says so itself once it runs.
+    /// Ranges of its converters' codes; a running board reports them itself.
     pub fn codes(self) -> CodeRange {
         match self {
             Self::Internal => CodeRange {
@@ -98,7 +98,7 @@ impl Image {
     }
 }
 
-/// Bits of converters with such codes: those of the chip are two conversions of 12 bits, added.
+/// Bits of converters with these codes. A reading of the chip's own is two conversions of 12 bits, added.
 pub fn converter_bits(codes: &CodeRange) -> u32 {
     u16::BITS - codes.command_top.leading_zeros()
 }

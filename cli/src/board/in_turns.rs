@@ -1,14 +1,14 @@
-//! A port whose other end is emulated and lives in turns with this program: while the program thinks, the board's time
-//! stands. What it sees then depends on what is sent, and never on when, so that a test runs the same each time.
+//! A port to an emulated board that runs in turns with this program: while the program computes, the board's time stands
+//! still. What the board sees depends on what is sent, never on when, so a test runs the same each time.
 
 use super::port::Port;
 use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-/// Somebody who emulates a board.
+/// An emulator of a board.
 pub trait Turns {
-    /// Hands `bytes` over and lets the board's time go on by some milliseconds; what came in them, and its time at their end,
+    /// Sends `bytes` and lets the board run for some milliseconds; gives what it sent in them, and its time at their end,
     /// ns after power-up.
     ///
     /// # Errors
@@ -16,17 +16,17 @@ pub trait Turns {
     fn exchange(&mut self, bytes: &[u8]) -> io::Result<(u64, Vec<u8>)>;
 }
 
-/// The PC's end of such a line.
+/// The PC's end of this line.
 pub struct InTurns<T> {
     with: T,
-    /// What goes out with the next turn.
+    /// Goes out with the next turn.
     sent: Vec<u8>,
     came: VecDeque<u8>,
     now: Duration,
 }
 
 impl<T> InTurns<T> {
-    /// With a board whose power comes on.
+    /// To a board that powers up.
     pub fn new(with: T) -> Self {
         Self {
             with,

@@ -1,17 +1,17 @@
-//! The limits that a board asks for, worked out from the planned test where the test file leaves them out.
+//! The limits that a board requires, computed from the planned test where the test file omits them.
 //!
 //! | limit | is |
 //! |---|---|
-//! | `displacement_m` | 1.5 times the largest displacement of the ideal test, of any actuator, and 7 standard deviations of the reading's noise |
-//! | `velocity_m_per_s` | 3 times its largest velocity in the laboratory, at least twice that of the approach |
-//! | `force_n` | 1.5 times the largest force of the elastic storeys on an actuator, and 7 standard deviations of the noise |
-//! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations; at most what a board takes |
-//! | `stale_steps` | the declared delay and 20 ms |
-//! | `frozen_m` | 8 codes of the board's displacement, or 16 standard deviations of its noise |
-//! | `energy_trip` | 3: no sound test of `check-surveys monitor` (in `host-tests`) comes to it |
-//! | `force_stands_m` | a quarter of the largest displacement, where that is a test's |
+//! | `displacement_m` | 1.5 times the largest displacement of the ideal test, of any actuator, plus 7 standard deviations of the reading's noise |
+//! | `velocity_m_per_s` | 3 times the test's largest velocity in the laboratory, at least twice that of the approach |
+//! | `force_n` | 1.5 times the largest force of the elastic storeys on an actuator, plus 7 standard deviations of the noise |
+//! | `tracking_m` | twice the distance travelled at the largest velocity in the declared delay, plus a tenth of the largest displacement and 7 standard deviations; at most what a board accepts |
+//! | `stale_steps` | the declared delay plus 20 ms |
+//! | `frozen_m` | 8 codes of the board's displacement, or 16 standard deviations of its noise, whichever is larger |
+//! | `energy_trip` | 3: no sound test of `check-surveys monitor` (in `host-tests`) reaches it |
+//! | `force_stands_m` | a quarter of the largest displacement; only for a test on a ground motion |
 //!
-//! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
+//! Seven standard deviations: of 400 000 tests of a million steps one exceeds them by chance.
 
 use super::trajectory::Trajectory;
 use experiment::Experiment;
@@ -21,20 +21,20 @@ use experiment::trace::Response;
 use link::limits::{CalibratedRange, FROZEN_DEVIATIONS};
 use outerloop_core::config::Limits;
 
-/// Over the ideal test's largest displacement and force.
+/// Factor over the ideal test's largest displacement and force.
 const MARGIN: f64 = 1.5;
-/// Over its largest velocity: a compensation may hurry.
+/// Factor over its largest velocity: a compensation may move faster.
 const VELOCITY_MARGIN: f64 = 3.0;
 /// Standard deviations of noise that are no fault.
 const DEVIATIONS: f64 = 7.0;
-/// Of the planned motion: a force that stands at zero for longer is none.
+/// Share of the planned motion: a force that stays near zero over more than this means a dead load cell.
 const FORCE_STANDS: f64 = 0.25;
-/// Of the energy in a test: the threshold of `check-surveys monitor`.
+/// Energy error over the energy in the test: the threshold of `check-surveys monitor`.
 const ENERGY_TRIP: f64 = 3.0;
-/// Over the declared delay, s.
+/// Time added to the declared delay, s.
 const STALE_S: f64 = 0.02;
 
-/// What the planned test will do where the actuators are, if all goes well; of several, the most that one does.
+/// What the planned test will do at the actuators, if all goes well; of several actuators, the largest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedMotion {
     /// Largest displacement, m.
@@ -53,7 +53,7 @@ pub struct PlannedMotion {
     pub approach_m_per_s: f64,
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Motion over which a force that stands is a dead load cell, m; none where no force is known beforehand.
+    /// Motion over which a force near zero means a dead load cell, m; none where no force is known beforehand.
     pub force_stands_m: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ impl PlannedMotion {
         }
     }
 
-    /// Of a test whose motion a model outside decides: as far and as fast as its limits allow.
+    /// Of a test whose motion an external model decides: as far and as fast as its limits allow.
     pub fn of_served(test: &TestFile) -> Self {
         let limits = &test.config.limits;
         let approach_m_per_s = test.config.timing.approach_m_per_s;
@@ -113,7 +113,7 @@ impl PlannedMotion {
         )
     }
 
-    /// Largest displacement and force that the sensors may have to show: half as much again as planned, and the noise.
+    /// Largest displacement and force that the sensors may have to show: 1.5 times those planned, plus the noise.
     pub fn noisy_peaks(&self) -> (f64, f64) {
         (
             MARGIN * self.displacement_m + DEVIATIONS * self.noise_m,
@@ -121,7 +121,7 @@ impl PlannedMotion {
         )
     }
 
-    /// Of a commissioning signal under a test's limits, on an actuator, from 0.
+    /// Of a commissioning signal under a test's limits, on an actuator numbered from 0.
     pub fn of_trajectory(test: &TestFile, trajectory: &Trajectory, actuator: usize) -> Self {
         let force_n = alone_n(test, actuator, trajectory.peak_m());
         Self::with(
@@ -132,7 +132,7 @@ impl PlannedMotion {
         )
     }
 
-    /// All limits; what `stated` says stands. `shown` is the board's calibrated range.
+    /// All limits; those `stated` are kept. `shown` is the board's calibrated range.
     pub fn limits(&self, stated: &Limits, shown: &CalibratedRange) -> Limits {
         let mut limits = self.without_board(stated);
         let noisy_m = FROZEN_DEVIATIONS * self.noise_m;
@@ -144,7 +144,7 @@ impl PlannedMotion {
         limits
     }
 
-    /// The limits that follow from the test alone.
+    /// The limits that follow from the test alone; those `stated` are kept.
     pub fn without_board(&self, stated: &Limits) -> Limits {
         let speed = (VELOCITY_MARGIN * self.velocity_m_per_s).max(2.0 * self.approach_m_per_s);
         let has_speed = stated.increment_m.is_some() || stated.velocity_m_per_s.is_some();
@@ -172,14 +172,14 @@ impl PlannedMotion {
     }
 }
 
-/// Stiffnesses of the storeys that stand in the laboratory, from the ground up, N/m.
+/// Stiffnesses of the storeys in the laboratory, from the ground up, N/m.
 fn laboratory_storeys(test: &TestFile) -> &[f64] {
     let storeys = &test.config.structure.stiffness_n_per_m;
     let physical = test.config.physical_storeys().min(storeys.len());
     &storeys[..physical]
 }
 
-/// Where each actuator is and what it feels of an elastic specimen, m and N, with the structure so.
+/// Position of each actuator, m, and its force from an elastic specimen, N, with the floors at `floors_m`.
 fn at_actuators(test: &TestFile, floors_m: &[f32]) -> (Vec<f64>, Vec<f64>) {
     let Some(part) = &test.coupled else {
         let storeys = laboratory_storeys(test);
@@ -202,8 +202,8 @@ fn at_actuators(test: &TestFile, floors_m: &[f32]) -> (Vec<f64>, Vec<f64>) {
     )
 }
 
-/// Forces on the actuators, N, of elastic storeys whose floors stand so, m: each floor is held by the storeys below and
-/// above it.
+/// Forces on the actuators, N, of elastic storeys with these floor displacements, m: each floor is held by the storeys
+/// below and above it.
 fn forces_n<'a>(storeys: &'a [f64], floors_m: &'a [f32]) -> impl Iterator<Item = f64> + 'a {
     let at = |floor: usize| f64::from(floors_m[floor]);
     let storey_n = move |floor: usize| {
@@ -215,7 +215,7 @@ fn forces_n<'a>(storeys: &'a [f64], floors_m: &'a [f32]) -> impl Iterator<Item =
     (0..storeys.len()).map(move |floor| (storey_n(floor) - storey_n(floor + 1)).abs())
 }
 
-/// Force on an actuator, from 0, N, where it moves alone, so far; of two on one coupler, where both move so far.
+/// Force on an actuator, from 0, N, that moves alone by this displacement; of two on one coupler, if both move by it.
 fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
     if test.coupled.is_some() {
         let (_, forces_n) = at_actuators(test, &[displacement_m as f32, 0.0]);
@@ -226,7 +226,7 @@ fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
     around * displacement_m
 }
 
-/// The limits in force, a line each, with a mark at those that were worked out.
+/// The limits in force, one per line; those that were computed are marked.
 pub fn describe(stated: &Limits, limits: &Limits) -> String {
     type Row = (&'static str, f64, &'static str, fn(&Limits) -> Option<f64>);
     let rows: [Row; 10] = [
@@ -315,9 +315,9 @@ mod tests {
     fn a_floor_is_held_by_the_storeys_below_and_above_it() {
         let of =
             |storeys: &[f64], floors: &[f32]| -> Vec<f64> { forces_n(storeys, floors).collect() };
-        // One in the laboratory, two calculated: only the one has a force.
+        // One storey in the laboratory, two computed: only the one has a force.
         assert_eq!(of(&[100.0], &[0.5, 9.0, 9.0]), [50.0]);
-        // The second floor alone is moved: the storeys at both its sides answer, and push its neighbours.
+        // Only the second floor is moved: the storeys on both sides respond and load its neighbours.
         assert_eq!(
             of(&[100.0, 200.0, 400.0], &[0.0, 0.5, 0.0]),
             [100.0, 300.0, 200.0]

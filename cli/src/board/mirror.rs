@@ -1,8 +1,8 @@
-//! The board's loop again, on the PC.
+//! The board's loop, repeated on the PC.
 //!
-//! The outer loop has the same bits here as there. Fed with the converter codes that the board sampled and the events at
-//! the steps at which it took them, it works out every word of every record; the digest that travels with each step
-//! proves it. After a step that is missing this cannot go on, and a record holds what the telemetry says, no more.
+//! The outer loop gives the same bits on both. From the converter codes that the board sampled and the events at the
+//! steps at which it took them, the PC computes every word of every record; the digest sent with each step proves it.
+//! After a missing step this is not possible any more, and a record holds only what the telemetry says.
 
 use experiment::trace::TestObserver;
 use link::channel::ErrorFeedback;
@@ -15,16 +15,16 @@ use outerloop_core::{
 };
 use std::collections::VecDeque;
 
-/// Why a test is ended whose steps came out otherwise on the board.
+/// Why a test is ended whose steps differ between board and PC.
 pub(crate) const DIFFERS: &str = "the board worked a step out otherwise than the PC, though none was lost on its way: a bit of what it keeps of \
                        the test has turned over, or program and image are not of one build. The test was stopped on its ramp";
 
-/// What the mirror has seen.
+/// Counts of the mirror.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MirrorCounts {
-    /// Steps whose every word was worked out again and proven.
+    /// Steps whose every word was recomputed and proven.
     pub proven: u64,
-    /// Steps whose record is not the PC's.
+    /// Steps whose record differs from the PC's.
     pub different: u64,
     /// Steps missing before others.
     pub missing: u64,
@@ -43,29 +43,29 @@ pub struct Mirror<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     outer: OuterLoop<N, R>,
     in_place: InPlace<N>,
     ground: GroundMotion<'a>,
-    /// Of each actuator its calibration, and the remainder of its command's codes.
+    /// For each actuator its calibration, and the remainder from rounding its command to codes.
     actuators: Vec<(Calibration, ErrorFeedback)>,
     codes: CodeRange,
     out_of_range: bool,
-    /// The next step; before the first one, the step at which the test was put in force.
+    /// The next step; before the first one, the step at which the test came into force.
     next: u32,
     in_step: bool,
-    /// A step came whose record is not the PC's, and none was missing before it.
+    /// A step differed from the PC's record, and none was missing before it.
     differs: bool,
-    /// By how much the board's count of steps is ahead of the loop's.
+    /// Offset of the board's step count over the loop's.
     ahead: u32,
     /// Integration steps, and control steps since the last of them.
     steps: u32,
     since_solved: u32,
     substeps: u32,
     sent: VecDeque<(u32, SentToBoard<N>)>,
-    /// The step that waits for its successor, which says whether it tripped.
+    /// The step that waits for its successor, which shows whether it tripped.
     waiting: Option<(u32, StepReport)>,
     seen: MirrorCounts,
 }
 
 impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
-    /// The loop that is in force on the board `identity` from step `since` on, `substeps` control steps to an integration
+    /// The loop in force on the board `identity` from step `since` on, with `substeps` control steps to an integration
     /// step.
     pub fn new(
         design: Design<N, R>,
@@ -103,7 +103,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         self.sent.push_back((tick, SentToBoard::Event(event)));
     }
 
-    /// The board takes its targets from the PC.
+    /// The board takes its targets from the PC, at this pace.
     pub fn take_targets(&mut self, pace: Pace) {
         self.outer.set_pace(Some(pace));
     }
@@ -113,14 +113,14 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         self.sent.push_back((tick, SentToBoard::Target(target_m)));
     }
 
-    /// The board watches the tests to come, and may correct or not; step `tick` is the first with it.
+    /// The board watches the tests to come, with or without the right to correct; step `tick` is the first with it.
     pub fn watch(&mut self, tick: u32, corrects: bool) {
         self.sent.push_back((tick, SentToBoard::Watch(corrects)));
     }
 
-    /// Has `observer` judge what the board's rig watch has been given, so that both loops do what it asks for.
+    /// Has `observer` judge the blocks of the board's rig watch, so that both loops do what it orders.
     pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
-        // The board's tasks were too late for an answer, which here is never late: the next step says so.
+        // The next step says whether the board's tasks were too late with an answer. The PC is never late.
         let is_late = |s: &StepReport| {
             s.flags & flag::WATCH_LATE != 0 && s.mode().is_some_and(Mode::integrates)
         };
@@ -132,22 +132,22 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         });
     }
 
-    /// The force that the last target is answered with, N, if every step until now is proven.
+    /// The force that answers the last target, N, if every step so far is proven.
     pub fn answer_n(&self) -> Option<&[f32; N]> {
         self.in_step.then(|| self.outer.answer_n())
     }
 
-    /// The rig as the loop has it, if every step until now is proven.
+    /// The rig as the loop has it, if every step so far is proven.
     pub fn rig(&self) -> Option<&R> {
         self.in_step.then(|| self.outer.rig())
     }
 
-    /// Every step until now is proven.
+    /// Every step so far is proven.
     pub fn is_in_step(&self) -> bool {
         self.in_step
     }
 
-    /// The board has worked a step out otherwise than the PC, and no step was lost that would explain it.
+    /// The board computed a step differently from the PC, and no lost step explains it.
     pub fn differs(&self) -> bool {
         self.differs
     }
@@ -157,18 +157,18 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         self.sent.is_empty()
     }
 
-    /// What has been seen.
+    /// The counts so far.
     pub fn seen(&self) -> MirrorCounts {
         self.seen
     }
 
-    /// Takes a step of the telemetry; gives the record of the one before it.
+    /// Takes a step of the telemetry; gives the record of the previous one.
     pub fn take(&mut self, tick: u32, report: StepReport) -> Option<Record<N>> {
         let before = self.waiting.replace((tick, report))?;
         Some(self.record(before, Some(&report)))
     }
 
-    /// The record of the last step, after which none came.
+    /// The record of the last step, when no more will come.
     pub fn last(&mut self) -> Option<Record<N>> {
         let last = self.waiting.take()?;
         Some(self.record(last, None))
@@ -180,7 +180,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         after: Option<&StepReport>,
     ) -> Record<N> {
         let missing = tick.wrapping_sub(self.next);
-        // Steps from before the test was in force are not missing.
+        // Steps before the test came into force do not count as missing.
         if missing != 0 && missing < u32::MAX / 2 {
             self.seen.missing += u64::from(missing);
             self.in_step = false;
@@ -202,13 +202,13 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
             .pop_front_if(|(at, _)| tick.wrapping_sub(*at) < u32::MAX / 2)
         {
             match sent {
-                // The board took it; if the loop here does not, the digests will say so.
+                // The board took it; if the loop here does not, the digests will show it.
                 SentToBoard::Event(event) => drop(self.outer.handle(event)),
                 SentToBoard::Target(target_m) => self.outer.set_next_target(target_m),
                 SentToBoard::Watch(corrects) => self.outer.watch(corrects),
             }
         }
-        // The board's own button: nothing else reports it.
+        // The board's own button: only the mode shows it.
         let own = match (report.mode(), self.outer.mode()) {
             (Some(Mode::Holding), Mode::Running | Mode::Resuming | Mode::Returning) => {
                 Some(Event::Hold)
@@ -234,7 +234,7 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         self.as_reported(tick, &report)
     }
 
-    /// One control step as the board's converters and its station present it to the loop.
+    /// One control step, with the input that the board's converters and its station give to the loop.
     fn step(&mut self, report: &StepReport, after: Option<&StepReport>) -> Record<N> {
         let (displacement_m, force_n) = self.read(report);
         let mut sample = Sample::new(displacement_m, force_n);
@@ -261,8 +261,8 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         *step.record
     }
 
-    /// Whether the ramp after a fault goes on in a step, to its end in the step `after` it: the record of a step is made before
-    /// an emergency in it acts, and only that of the next tells.
+    /// Tells if the ramp after a fault goes on in this step and ends in the step `after` it: the record of a step is made
+    /// before an emergency in it acts, so only the next record tells the two apart.
     fn comes_to_its_end(&self, sample: &Sample<N>, after: &StepReport) -> bool {
         let mut outer = self.outer.clone();
         let mut sample = *sample;
@@ -286,18 +286,18 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         (displacement_m, force_n)
     }
 
-    /// What the board reported to its loop with this sample.
+    /// The fault that the board reported to its loop with this sample.
     fn fault(&self, report: &StepReport, after: Option<&StepReport>) -> Option<Fault> {
         let codes = (0..self.actuators.len()).filter_map(|actuator| report.codes(actuator));
         let rail = codes.flatten().any(|code| self.codes.at_rail(code));
         let latched = after.and_then(StepReport::fault);
         let ends = after.and_then(StepReport::mode) == Some(Mode::Tripped);
         match latched {
-            // Of an emergency on the ramp of a fault that is none, the reason is not told.
+            // An emergency on the ramp after a minor fault: the telemetry does not give its cause.
             Some(_) if report.mode() == Some(Mode::Stopping) => {
                 ends.then_some(Fault::EmergencyStop)
             }
-            // The board's own knowledge; nothing in its codes shows it.
+            // Known only to the board: the codes do not show it.
             Some(
                 Fault::EmergencyStop
                 | Fault::LinkLost
@@ -315,8 +315,8 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
         }
     }
 
-    /// What the telemetry itself says of a step: the first actuator's target, and not what a predictor sent for it; readings as they
-    /// are.
+    /// What the telemetry itself says of a step: the first actuator's target, but not what a predictor sent for it; and
+    /// the readings without estimation.
     fn as_reported(&self, tick: u32, report: &StepReport) -> Record<N> {
         let mut record = Record::<N>::EMPTY;
         record.tick = tick.wrapping_sub(self.ahead);

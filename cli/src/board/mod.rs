@@ -2,21 +2,21 @@
 //!
 //! ```text
 //!  port         bytes: a serial port, or the pipes of an emulator
-//!  in_turns     the port to an emulated board, whose time stands while this program thinks
-//!  connection   commands and their answers, telemetry in the order of its steps
+//!  in_turns     the port to an emulated board, whose time stands still while this program computes
+//!  connection   commands and their replies, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
 //!  setup        a board before a test: idle, calibrated, with limits that can act
 //!  configured_test a test in force: events, targets, every step, the end
 //!  bench        a whole test: configure, load, arm, start, receive
 //!  desk         a bare board with four wires: what it does, row by row
 //!  image        the images that can be flashed
-//!  cross_readings  what every actuator reads while one is moved: stiffness, and exchanged wires
-//!  trajectory   what moves the actuator without a test: a formula or points
-//!  limits       those that a board asks for, worked out from the planned test
-//!  operator     the person at the bench: go, go on, stop
-//!  standing     where the pistons stand, as a person says and the board reads
-//!  orders       what a person asks of a board, and how a refusal is said
-//!  wording      what a board says, in words
+//!  cross_readings  readings of every actuator while one is moved: stiffness, and exchanged wires
+//!  trajectory   a motion of the actuator without a test: a formula or points
+//!  limits       those that a board requires, computed from the planned test
+//!  operator     the person at the bench: start, resume, stop
+//!  standing     where the pistons stand, as a person says and as the board reads
+//!  orders       commands from a person to a board, and the sentence for a refusal
+//!  wording      what a board reports, in words
 //! ```
 
 mod bench;

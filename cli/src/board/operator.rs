@@ -1,4 +1,4 @@
-//! The person at the bench: says go before anything moves on its own, goes on after a hold, and stops by Ctrl-C.
+//! The person at the bench: agrees before anything moves on its own, resumes after a hold, and stops by Ctrl-C.
 
 use super::standing::{PistonsAt, Standing};
 use crate::terminal::interrupt;
@@ -8,19 +8,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-/// Who decides, between the approach and the start, that the test may begin.
+/// Who agrees, between the approach and the start, that the test may begin.
 pub struct Operator(Asked);
 
 enum Asked {
-    /// Nothing real moves.
+    /// Nothing real moves, so nobody is asked.
     Nobody,
-    /// A script has said yes beforehand, and where the pistons stand before the first arming.
+    /// A script agreed in advance, and said where the pistons stand before the first arming.
     Script(Option<PistonsAt>, Arc<AtomicBool>),
     /// Lines from the keyboard.
     Person(Arc<Mutex<Receiver<String>>>),
 }
 
-/// The one reader of the keyboard, for all tests of this process.
+/// The only reader of the keyboard, for all tests of this process.
 static KEYBOARD: LazyLock<Arc<Mutex<Receiver<String>>>> = LazyLock::new(|| {
     let (typed, keyboard) = channel();
     std::thread::spawn(move || {
@@ -35,7 +35,7 @@ static KEYBOARD: LazyLock<Arc<Mutex<Receiver<String>>>> = LazyLock::new(|| {
 });
 
 impl Operator {
-    /// A person, who presses Enter.
+    /// A person who presses Enter.
     ///
     /// # Errors
     /// Standard input is no terminal.
@@ -48,7 +48,7 @@ impl Operator {
         Ok(Self(Asked::Person(Arc::clone(&KEYBOARD))))
     }
 
-    /// Somebody else's lines.
+    /// Lines from another source.
     pub fn by(lines: Receiver<String>) -> Self {
         Self(Asked::Person(Arc::new(Mutex::new(lines))))
     }
@@ -58,18 +58,18 @@ impl Operator {
         Self(Asked::Nobody)
     }
 
-    /// Nobody is asked: a script has said yes beforehand, and where the pistons stand before the first arming; `used`: it has been
-    /// armed with that.
+    /// Nobody is asked: a script agreed in advance, and said where the pistons stand before the first arming; `used`: one
+    /// arming has used that.
     pub fn script(pistons_at: Option<PistonsAt>, used: Arc<AtomicBool>) -> Self {
         Self(Asked::Script(pistons_at, used))
     }
 
-    /// Somebody is there to be asked.
+    /// True if somebody can be asked.
     pub fn is_asked(&self) -> bool {
         matches!(self.0, Asked::Person(_))
     }
 
-    /// Asks, on standard error; the answer is [`agrees`](Self::agrees). What was typed before does not count.
+    /// Asks on standard error; [`agrees`](Self::agrees) gives the answer. What was typed before does not count.
     pub fn ask(&self, question: &str) {
         if let Asked::Person(lines) = &self.0 {
             while line(lines).is_ok() {}
@@ -77,7 +77,7 @@ impl Operator {
         }
     }
 
-    /// Says that the board's button holds the test, and asks whoever can be asked.
+    /// Reports that the board's button holds the test, and asks whoever can be asked.
     pub fn ask_to_go_on(&self) {
         match &self.0 {
             Asked::Person(_) => self.ask("the test is held: Enter goes on, Ctrl-C stops"),
@@ -87,10 +87,10 @@ impl Operator {
         }
     }
 
-    /// The person has pressed Enter, and typed nothing, since the question; or nobody is asked.
+    /// True if the person has pressed Enter alone since the question, or if nobody is asked.
     ///
     /// # Errors
-    /// A keyboard that is gone.
+    /// A lost keyboard.
     pub fn agrees(&self) -> Result<bool, Failure> {
         let Asked::Person(lines) = &self.0 else {
             return Ok(true);
@@ -104,10 +104,10 @@ impl Operator {
         }
     }
 
-    /// The same for something that has not started yet: Ctrl-C gives it up, in the words of `given_up`.
+    /// The same before a start: Ctrl-C gives it up, with the sentence `given_up`.
     ///
     /// # Errors
-    /// Given up; a keyboard that is gone.
+    /// Given up; a lost keyboard.
     pub fn lets_start(&self, given_up: &str) -> Result<bool, Failure> {
         match self.agrees() {
             Ok(false) if interrupt::asked() => Err(Failure::test(given_up)),
@@ -115,12 +115,12 @@ impl Operator {
         }
     }
 
-    /// Whether the board may be armed with its pistons as they are: by a person who was asked [`Standing::question`], or by what a
-    /// script has said, which counts for one arming.
+    /// True if the board may be armed with its pistons as they are: a person answered [`Standing::question`], or a script
+    /// stated their position, which is valid for one arming.
     ///
     /// # Errors
-    /// The pistons stand somewhere else than was said; a script that has not said where, and nobody else sees it; a keyboard that
-    /// is gone.
+    /// The pistons stand somewhere other than stated; a script that has not stated their position, with no second
+    /// transducer to check it; a lost keyboard.
     pub fn lets_arm(&self, standing: &Standing) -> Result<bool, Failure> {
         let lines = match &self.0 {
             Asked::Nobody => return Ok(true),
@@ -153,7 +153,7 @@ impl Operator {
     }
 }
 
-/// The next line that was typed.
+/// The next typed line.
 fn line(lines: &Mutex<Receiver<String>>) -> Result<String, TryRecvError> {
     lines
         .lock()
@@ -161,7 +161,7 @@ fn line(lines: &Mutex<Receiver<String>>) -> Result<String, TryRecvError> {
         .try_recv()
 }
 
-/// Enter, and nothing before it; what else is typed is no answer, and that is said.
+/// True for Enter alone; anything else is rejected with a message.
 fn is_enter(typed: &str) -> bool {
     let enter = typed.trim().is_empty();
     if !enter {

@@ -1,4 +1,4 @@
-//! What a person asks of a board, and how a refusal is said.
+//! Commands from a person to a board, and the sentence for a refusal.
 
 use super::connection::Connection;
 use super::port::Port;
@@ -10,7 +10,7 @@ use link::reply::{Identity, Obstacle, Reply};
 use link::{Calibration, Command, Status};
 use outerloop_core::{Event, Mode};
 
-/// Who the board is; a board of another release is refused.
+/// The board's identity; a board of another release is refused.
 ///
 /// # Errors
 /// As [`Connection::ask`]; firmware of another release.
@@ -29,7 +29,7 @@ pub fn identify<P: Port>(board: &mut Connection<P>) -> Result<Identity, Failure>
     Ok(identity)
 }
 
-/// How the board is.
+/// The board's status.
 ///
 /// # Errors
 /// As [`Connection::ask`].
@@ -40,7 +40,7 @@ pub fn status<P: Port>(board: &mut Connection<P>) -> Result<Status, Failure> {
     }
 }
 
-/// That the board has started again while something ran on it, and why.
+/// The failure for a board that has restarted while something ran on it, with the reason.
 pub fn started_again<P: Port>(board: &mut Connection<P>) -> Failure {
     let why = status(board).map_or_else(|e| e.to_string(), |now| describe_start(&now));
     Failure::test(format!(
@@ -48,10 +48,10 @@ pub fn started_again<P: Port>(board: &mut Connection<P>) -> Failure {
     ))
 }
 
-/// Clears the end of a test or a fault, so that the board is idle.
+/// Clears the end of a test, or a fault, so that the board is idle.
 ///
 /// # Errors
-/// As [`Connection::ask`]; a test that runs.
+/// As [`Connection::ask`]; a running test.
 pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     match status(board)?.mode {
         Mode::Idle => Ok(()),
@@ -63,7 +63,7 @@ pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     }
 }
 
-/// Exchanges the calibration of every actuator for the same one.
+/// Replaces the calibration of every actuator by the same one.
 ///
 /// # Errors
 /// As [`calibrate_one`].
@@ -75,7 +75,7 @@ pub fn calibrate<P: Port>(
         .try_for_each(|actuator| calibrate_one(board, actuator as u8, calibration))
 }
 
-/// Exchanges the calibration of an actuator, from 0.
+/// Replaces the calibration of an actuator, numbered from 0.
 ///
 /// # Errors
 /// As [`Connection::ask`]; a calibration that is refused; a board that is not idle or has no such actuator.
@@ -88,7 +88,7 @@ pub fn calibrate_one<P: Port>(
     done(board, "calibrate", &order).map(drop)
 }
 
-/// Makes the present reading of an actuator's `channel` the given value (m or N); returns the mean code and its spread.
+/// Makes the present reading of an actuator's `channel` the given value (m or N); gives the mean code and its spread.
 ///
 /// # Errors
 /// As [`Connection::ask`]; a board that is not idle.
@@ -108,15 +108,15 @@ pub fn zero<P: Port>(
     }
 }
 
-/// Keeps the calibration, and the test if there is one, across power-off.
+/// Saves the calibration, and the test if there is one, so that they survive power-off.
 ///
 /// # Errors
-/// As [`Connection::ask`]; a board that is not idle or has neither; a memory that does not take them.
+/// As [`Connection::ask`]; a board that is not idle or has neither; a memory that cannot store them.
 pub fn save<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     done(board, "save", &Command::Save).map(drop)
 }
 
-/// Sends an event; returns the first control step with it.
+/// Sends an event; gives the first control step with it.
 ///
 /// # Errors
 /// As [`Connection::ask`]; an event that is refused.
@@ -134,7 +134,7 @@ pub(super) fn event<P: Port>(board: &mut Connection<P>, event: Event) -> Result<
     done(board, what, &Command::Event(event))
 }
 
-/// Has a command carried out; returns the first control step with it.
+/// Has a command carried out; gives the first control step with it.
 ///
 /// # Errors
 /// As [`Connection::ask`]; a command that is refused.

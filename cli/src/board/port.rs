@@ -10,7 +10,7 @@ const WAIT: Duration = Duration::from_millis(5);
 
 /// A stream of bytes with a board at its other end.
 pub trait Port {
-    /// What came, at least one byte; 0 if nothing came within a few milliseconds.
+    /// The bytes received, at least one; 0 if none came within a few milliseconds.
     ///
     /// # Errors
     /// The other end is gone.
@@ -22,7 +22,7 @@ pub trait Port {
     /// The other end is gone.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// The time that the other end lives in, since whenever: that of the wall, or a board's own where it is emulated.
+    /// The time at the other end, from an arbitrary origin: the wall clock, or an emulated board's own time.
     fn now(&self) -> Duration {
         static BEGAN: OnceLock<(Instant, Duration)> = OnceLock::new();
         let (began, at) = BEGAN.get_or_init(|| {
@@ -71,7 +71,7 @@ impl Port for Serial {
         match io::Read::read(&mut self.0, bytes) {
             Err(e) if e.kind() == io::ErrorKind::TimedOut => Ok(0),
             Err(e) if e.kind() == io::ErrorKind::Interrupted => Ok(0),
-            // A port that is ready and has nothing was pulled out.
+            // A port that is ready but has no bytes was unplugged.
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
             other => other,
         }

@@ -11,11 +11,12 @@ use link::limits::CalibratedRange;
 use link::reply::Identity;
 use outerloop_core::{Config, Mode};
 
-/// Who the board is, and `config` with all limits that it asks for. `hold`: how the test's actuators hold the structure;
-/// `wanted`: the number that its calibration has to have, eight hexadecimal digits, and the bits of its converters.
+/// The board's identity, and `config` with all limits that it requires. `hold`: how the test's actuators hold the
+/// structure; `wanted`: the number that its calibration must have, eight hexadecimal digits, and the resolution of its
+/// converters.
 ///
 /// # Errors
-/// A board that is silent, not idle or otherwise calibrated; limits that cannot act on it.
+/// A board that is silent, not idle or not calibrated as wanted; limits that cannot act on it.
 pub(crate) fn ready<P: Port>(
     board: &mut Connection<P>,
     (config, hold): (&Config, Hold),
@@ -36,13 +37,13 @@ pub(crate) fn ready<P: Port>(
 /// What a test's actuators hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hold {
-    /// Each a storey of its own.
+    /// Each actuator holds a storey of its own.
     Storeys,
-    /// Two of them a coupler.
+    /// Two actuators hold a coupler.
     Coupler,
 }
 
-/// Checks that the board is idle.
+/// Makes a finished board idle, and refuses one that is neither idle nor finished.
 fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     let now = status(board)?;
     if let Some(said) = describe_words(now.started, now.last_crash.as_ref()) {
@@ -62,7 +63,7 @@ fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     }
 }
 
-/// The board's converters and calibration are those that the test names.
+/// Checks that the board's converters and calibration are those that the test names.
 fn check_board(
     (calibration, bits): (Option<&str>, Option<u16>),
     identity: &Identity,
@@ -84,7 +85,7 @@ fn check_board(
     }
 }
 
-/// The board has an actuator for each storey that stands in the laboratory, and no other; how many.
+/// Checks that the board has one actuator for each storey in the laboratory, and no other; gives their number.
 fn check_actuators(config: &Config, identity: &Identity) -> Result<usize, Failure> {
     let storeys = config.physical_storeys().min(config.degrees_of_freedom());
     let own = identity.actuators();
@@ -97,7 +98,7 @@ fn check_actuators(config: &Config, identity: &Identity) -> Result<usize, Failur
     )))
 }
 
-/// The board has the loop of two coupled actuators; how many those are.
+/// Checks that the board can run the loop of two coupled actuators; gives their number.
 fn check_coupled(identity: &Identity) -> Result<usize, Failure> {
     if identity.actuators() == Image::Three.actuators() {
         return Ok(2);
@@ -109,7 +110,8 @@ fn check_coupled(identity: &Identity) -> Result<usize, Failure> {
     )))
 }
 
-/// The configuration with all limits that a board asks for of its first actuators; those that were worked out are shown to the person.
+/// The configuration with all limits that the board requires for its first actuators; the person is shown those that were
+/// computed.
 fn with_limits(
     config: &Config,
     plan: &PlannedMotion,

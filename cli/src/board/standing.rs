@@ -1,5 +1,5 @@
-//! Where the pistons stand before anything is armed. A transducer that is dead, slipped or of another scale is seen by nobody but a
-//! person where no second one is compared with it (`limits.disagree_m`).
+//! Where the pistons stand before anything is armed. Only a person sees a transducer that is dead, slipped or of another
+//! scale, unless a second one is compared with it (`limits.disagree_m`).
 
 use experiment::failure::Failure;
 use link::reply::Identity;
@@ -7,15 +7,15 @@ use link::telemetry::StepReport;
 use outerloop_core::Config;
 use std::str::FromStr;
 
-/// So far may lie between what a person reads off a scale and what the board reads, mm.
+/// Largest accepted difference between a person's reading of the scale and the board's, mm.
 const OFF_MM: f64 = 1.0;
 
 /// Where a person says that the pistons stand.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PistonsAt {
-    /// On their scales, mm, from actuator 1 on.
+    /// Readings of their scales, mm, from actuator 1 on.
     Mm(Vec<f64>),
-    /// No piston hangs on the board.
+    /// No piston is connected to the board.
     NoPiston,
 }
 
@@ -38,18 +38,18 @@ impl FromStr for PistonsAt {
     }
 }
 
-/// Where a test takes its pistons to stand: what the board reads, by what the test says of the rig.
+/// Where a test assumes that its pistons stand: the board's readings, corrected by what the test says of the rig.
 #[derive(Clone, Debug)]
 pub struct Standing {
-    /// Displacement, mm, and force, kN, from actuator 1 on, as the loop takes them.
+    /// Displacement, mm, and force, kN, from actuator 1 on, as the loop uses them.
     taken: Vec<[f64; 2]>,
-    /// A second transducer is compared with that of every actuator.
+    /// A second transducer is compared with that of the only actuator.
     pub seen_twice: bool,
 }
 
 impl Standing {
-    /// In the step `step` of the board `identity`, of the actuators of a test with so many coordinates. A second displacement, which is
-    /// that of actuator 1, is compared where the test has a limit for that.
+    /// From the step `step` of the board `identity`, for the actuators of a test with this many coordinates. A second
+    /// displacement, that of actuator 1, is compared if the test has a limit for it and the board has no other actuator.
     pub fn of(identity: &Identity, coordinates: usize, step: &StepReport, config: &Config) -> Self {
         let each = identity.calibrations().enumerate().take(coordinates);
         let read = each.filter_map(|(actuator, lines)| {
@@ -62,7 +62,7 @@ impl Standing {
         Self::by(read, config, identity.actuators() == 1)
     }
 
-    /// Of displacements, m, and forces, N, as they are read, of one actuator that is `alone` or of several.
+    /// From displacements, m, and forces, N, as they are read; `alone`: the board has one actuator.
     fn by(read: impl Iterator<Item = [f64; 2]>, config: &Config, alone: bool) -> Self {
         let taken = read.enumerate().map(|(actuator, [m, n])| {
             [
@@ -76,8 +76,8 @@ impl Standing {
         }
     }
 
-    /// What a person is asked before anything moves. Where nobody else sees the pistons, what the board reads is not told:
-    /// it would be what the person says.
+    /// The question to a person before anything moves. Without a second transducer it does not contain the board's
+    /// reading, which the person would only repeat.
     pub fn question(&self) -> String {
         if self.seen_twice {
             let read = self
@@ -100,7 +100,7 @@ impl Standing {
         )
     }
 
-    /// Whether the pistons stand where a person says.
+    /// Checks that the pistons stand where a person says.
     ///
     /// # Errors
     /// They do not.
@@ -152,7 +152,7 @@ mod tests {
         assert!(!standing.question().contains("12.3"));
     }
 
-    /// A piston that stands at 5 mm by its transducer, in a test that says of it that it reads 3 mm too much: the loop has it at 2 mm.
+    /// A piston at 5 mm by its transducer, in a test that says that this reads 3 mm too much: for the loop it is at 2 mm.
     #[test]
     fn a_person_is_compared_with_what_the_loop_believes() {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);

@@ -1,4 +1,4 @@
-//! Points for a board: announced with their sum, then sent in pieces.
+//! Uploads points to a board: announced with their checksum, then sent in chunks.
 
 use super::connection::Connection;
 use super::orders::done;
@@ -8,7 +8,7 @@ use link::Command;
 use link::command::CHUNK;
 use link::frame::checksum;
 
-/// Sends the ground motion, or points of a signal.
+/// Sends a ground motion, or the points of a signal.
 pub(super) fn load<P: Port>(
     board: &mut Connection<P>,
     points: &[f32],

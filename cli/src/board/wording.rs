@@ -1,8 +1,8 @@
-//! What a board says, in words.
+//! What a board reports, in words.
 
 use link::status::{CrashCause, CrashReport, StartCause, Status};
 
-/// Why the board last started, where nobody had asked for it.
+/// Why the board last restarted, if nobody had requested it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
     let Some(words) = words else {
         return (started == StartCause::Watchdog)

@@ -1,9 +1,9 @@
-//! How good what is said is.
+//! How good a result is.
 
 use experiment::soundness::SoundnessVerdict;
 use experiment::summary::Validity;
 
-/// How good what is said is: its colour on the page.
+/// How good a result is: its colour on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grade {
     /// Green.

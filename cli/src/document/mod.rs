@@ -1,7 +1,7 @@
-//! What a verb answers, said once: sentences, tables and plots. One [`Document`] is printed on the terminal and written as
-//! the page; what both can show stands in both.
+//! The result of a verb, written once: sentences, tables and plots. One [`Document`] is printed on the terminal and
+//! written as the page; what both can show appears in both.
 //!
-//! Texts may have `**bold**` words; what stands between backticks is code on the page.
+//! Texts may contain `**bold**` words; text between backticks is code on the page.
 
 mod grade;
 pub mod plot;
@@ -81,7 +81,7 @@ impl Content {
 }
 
 impl Document {
-    /// An empty one; `with_page`: somebody wants the page, so that plots are worth drawing.
+    /// An empty document; `with_page`: the page is requested, so plots are drawn.
     pub fn new(title: impl Into<String>, lead: impl Into<String>, with_page: bool) -> Self {
         Self {
             title: title.into(),
@@ -91,7 +91,7 @@ impl Document {
         }
     }
 
-    /// True where a page is wanted.
+    /// True if a page is requested.
     pub const fn has_page(&self) -> bool {
         self.with_page
     }
@@ -100,7 +100,7 @@ impl Document {
         self.parts.push((shown, content));
     }
 
-    /// A heading of the page.
+    /// A heading, only on the page.
     pub fn heading(&mut self, text: impl Into<String>) {
         self.push(Shown::OnPage, Content::Heading(2, text.into()));
     }
@@ -118,7 +118,7 @@ impl Document {
         );
     }
 
-    /// A sentence in front of all others, on the page alone.
+    /// A sentence before all others, only on the page.
     pub fn warn_first(&mut self, text: impl Into<String>) {
         let warning = Content::Verdict(Grade::Fair, text.into());
         self.parts.insert(0, (Shown::OnPage, warning));
@@ -129,24 +129,24 @@ impl Document {
         self.push(Shown::Everywhere, Content::Paragraph(text.into()));
     }
 
-    /// A sentence for whoever has time: on the page alone.
+    /// A sentence with more detail, only on the page.
     pub fn explain(&mut self, text: impl Into<String>) {
         self.push(Shown::OnPage, Content::Paragraph(text.into()));
     }
 
-    /// A sentence on the terminal alone.
+    /// A sentence only on the terminal.
     pub fn tell(&mut self, text: impl Into<String>) {
         self.push(Shown::OnTerminal, Content::Paragraph(text.into()));
     }
 
-    /// Sentences below the last one.
+    /// A list below the last sentence.
     pub fn items(&mut self, items: Vec<String>) {
         if !items.is_empty() {
             self.push(Shown::Everywhere, Content::Items(items));
         }
     }
 
-    /// Figures side by side, each with what it means: on the page alone.
+    /// Figures side by side, each with its meaning; only on the page.
     pub fn tiles(&mut self, tiles: Vec<(String, String)>) {
         self.push(Shown::OnPage, Content::Tiles(tiles));
     }
@@ -156,12 +156,12 @@ impl Document {
         self.push(Shown::Everywhere, Content::Table(table));
     }
 
-    /// What `add` adds, on the page alone.
+    /// What `add` adds, only on the page.
     pub fn on_page(&mut self, add: impl FnOnce(&mut Self)) {
         self.shown(Shown::OnPage, add);
     }
 
-    /// What `add` adds, on the terminal alone.
+    /// What `add` adds, only on the terminal.
     pub fn on_terminal(&mut self, add: impl FnOnce(&mut Self)) {
         self.shown(Shown::OnTerminal, add);
     }
@@ -174,7 +174,7 @@ impl Document {
         }
     }
 
-    /// A plot; drawn where there is a page.
+    /// A plot; drawn only if there is a page.
     pub fn figure(&mut self, caption: impl Into<String>, plot: impl FnOnce() -> String) {
         if self.with_page {
             let (svg, caption) = (plot(), caption.into());
@@ -191,7 +191,7 @@ impl Document {
         self.push(Shown::OnPage, Content::Pair(inner));
     }
 
-    /// A file, word for word: on the page alone.
+    /// A file, verbatim; only on the page.
     pub fn file(&mut self, text: &str) {
         self.push(Shown::OnPage, Content::File(text.trim().to_owned()));
     }
@@ -202,7 +202,7 @@ impl Document {
         self.file(text);
     }
 
-    /// One HTML file that needs nothing beside it.
+    /// One HTML file that needs no other files.
     pub fn page(&self) -> String {
         let origin = Provenance::of_this_run();
         written(
@@ -221,7 +221,7 @@ impl Document {
         let mut after_table = false;
         for (_, content) in shown {
             let is_table = matches!(content, Content::Table(_));
-            // What stands in a list below a table explains it.
+            // A list below a table explains it.
             let apart = is_table || after_table && !matches!(content, Content::Items(_));
             if !text.is_empty() {
                 text += if apart { "\n\n" } else { "\n" };

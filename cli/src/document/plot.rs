@@ -1,7 +1,7 @@
-//! Plots as inline SVG: ticks and curves in the drawing, names and units beside it as text that keeps its size.
+//! Plots as inline SVG: ticks and curves in the drawing, names and units next to it as text of constant size.
 //!
-//! Colours are classes that the page's style sheet fills in, so that a plot follows dark mode and print. Each curve
-//! carries its points in 16 bits, so that the page's script can zoom into it; without the script the plot stands still.
+//! Colours are classes defined in the page's style sheet, so a plot follows dark mode and print. Each curve carries its
+//! points in 16 bits, so that the page's script can zoom into it; without the script the plot is static.
 
 use super::scale::{self, PlotAxis};
 use super::text::written;
@@ -13,17 +13,17 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colour(pub &'static str);
 
-/// Blue: what was tested.
+/// Blue: the tested structure.
 pub const TESTED: Colour = Colour("tested");
 /// Grey: the ideal.
 pub const IDEAL: Colour = Colour("ideal");
-/// Orange red, dashed: what went wrong or what to watch.
+/// Orange red, dashed: what went wrong, or what to watch.
 pub const WRONG: Colour = Colour("wrong");
 /// Green, in long dashes: a third curve.
 pub const THIRD: Colour = Colour("third");
-/// Dark grey: what shakes, and the ideal where it lies on top.
+/// Dark grey: the ground motion, and the ideal where it lies on top.
 pub const GROUND: Colour = Colour("ground");
-/// A pale tone for what was measured, under what was made of it.
+/// A pale tone for measurements, below what was computed from them.
 pub const RAW: Colour = Colour("raw");
 /// Two more, for plots with many curves.
 pub const FOURTH: Colour = Colour("fourth");
@@ -37,9 +37,9 @@ pub struct Curve {
     pub name: &'static str,
     /// Its colour.
     pub colour: Colour,
-    /// True if it is drawn broad, to be seen under another one.
+    /// True if it is drawn thick, so that it shows under another curve.
     pub broad: bool,
-    /// True if its points are dots that no line joins.
+    /// True if its points are separate dots.
     pub dots: bool,
     /// Its points.
     pub points: Vec<(f64, f64)>,
@@ -76,16 +76,16 @@ impl Curve {
     }
 }
 
-/// Columns of a history that are kept for a closer look: two points each.
+/// Columns of a history kept for zooming: two points each.
 const KEPT_COLUMNS: usize = 4000;
 /// Columns of the drawing: as many as a screen can show.
 const DRAWN_COLUMNS: usize = 900;
 /// Points of a loop.
 const LOOP_POINTS: usize = 4000;
-/// A history whose columns span so much of the plot on average is drawn as the band that it covers.
+/// A history whose columns span on average more than this share of the plot is drawn as the band that it covers.
 const DENSE: f64 = 0.12;
 
-/// What a plot looks like.
+/// Size and axes of a plot.
 #[derive(Clone, Copy, Debug)]
 pub struct PlotShape {
     width: u32,
@@ -104,7 +104,7 @@ impl PlotShape {
         }
     }
 
-    /// The same with a vertical axis that does not go beyond `reach` on either side of zero.
+    /// The same with a vertical axis that does not extend beyond `reach` on either side of zero.
     pub const fn within(self, reach: f64) -> Self {
         Self {
             reach: Some(reach),
@@ -112,7 +112,7 @@ impl PlotShape {
         }
     }
 
-    /// The same for logarithms of shares, written as per cent.
+    /// The same for logarithms of shares, labelled in per cent.
     pub const fn of_percent(self) -> Self {
         Self {
             percent: true,
@@ -121,11 +121,11 @@ impl PlotShape {
     }
 }
 
-/// Over the whole width of the page.
+/// The full width of the page.
 pub const WIDE: PlotShape = PlotShape::new(1000, 220);
-/// The same, taller: for the plot that matters most.
+/// The same, taller: for the most important plot.
 pub const TALL: PlotShape = PlotShape::new(1000, 300);
-/// Two beside each other.
+/// Two next to each other.
 pub const HALF: PlotShape = PlotShape::new(490, 340);
 
 /// Room for the tick labels: left and below.
@@ -134,7 +134,7 @@ const BELOW: f64 = 26.0;
 const TOP: f64 = 8.0;
 const RIGHT: f64 = 12.0;
 
-/// A time history: its ends, and smallest and largest value of each column, so that no spike is lost.
+/// A time history: its ends, and the smallest and largest value of each column, so that no spike is lost.
 pub fn history(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
     columns(n, KEPT_COLUMNS, point)
 }
@@ -167,7 +167,7 @@ fn columns(n: usize, columns: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec
     points
 }
 
-/// Every so-many-th point of a path in the plane.
+/// Evenly spaced points of a path in the plane, at most `LOOP_POINTS` of them.
 pub fn path(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
     let stride = n.div_ceil(LOOP_POINTS).max(1);
     (0..n).step_by(stride).map(point).collect()
@@ -190,7 +190,7 @@ pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) ->
     tall = no_less(tall, least);
     if let Some(reach) = shape.reach {
         let cut = tall.start.max(-reach)..tall.end.min(reach);
-        // What lies beyond as a whole is not cut away.
+        // A curve entirely beyond the reach is not cut.
         if cut.start < cut.end {
             tall = cut;
         }
@@ -212,7 +212,7 @@ pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) ->
     written(drawing.render())
 }
 
-/// A plot as its template wants it.
+/// The data of a plot for its template.
 #[derive(Template)]
 #[template(path = "plot.html")]
 struct Drawing<'a> {
@@ -223,7 +223,7 @@ struct Drawing<'a> {
     size: [u32; 2],
     /// Left, top, right and bottom of the area of the curves.
     edges: [f64; 4],
-    /// Places and labels of the ticks below.
+    /// Positions and labels of the ticks below.
     columns: Vec<(f64, String)>,
     /// Those on the left.
     lines: Vec<(f64, String)>,
@@ -232,7 +232,7 @@ struct Drawing<'a> {
     y: Range<f64>,
 }
 
-/// A curve as the template wants it.
+/// The data of a curve for the template.
 struct DrawnCurve {
     name: &'static str,
     colour: &'static str,
@@ -291,7 +291,7 @@ fn lines_of(y: &PlotAxis, shape: PlotShape) -> Vec<(f64, String)> {
 /// The path of a curve, and whether it is a band.
 fn drawn(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> (String, bool) {
     if curve.dots {
-        // A line of no length with round ends.
+        // A line of zero length with round ends.
         let dot = |p: &(f64, f64)| format!("M{:.1} {:.1}h0", x.place(p.0), y.place(p.1));
         return (curve.points.iter().map(dot).collect(), false);
     }
@@ -336,11 +336,11 @@ fn drawn(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> (String, bool) {
     (d, dense)
 }
 
-/// The points as 16-bit shares of the axes, in base 64: what the script zooms into.
+/// The points as 16-bit fractions of the axes, in base 64, for zooming.
 fn packed(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> String {
     let share = |v: f64, r: &Range<f64>| {
         let share = (v - r.start) / (r.end - r.start);
-        // A quarter of the scale is left on both sides of an axis that does not show all.
+        // A quarter of the scale remains on both sides, for an axis that does not show all.
         ((share * 0.5 + 0.25).clamp(0.0, 1.0) * 65535.0).round() as u16
     };
     let bytes: Vec<u8> = curve
@@ -352,11 +352,11 @@ fn packed(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> String {
     scale::base64(&bytes)
 }
 
-/// Least height of a plot, of the largest value in it: below it the picture would be of rounding.
+/// Least height of a plot, as a share of the largest value in it: a smaller one would show rounding.
 const LEAST_SPAN: f64 = 0.05;
-/// What any axis spans at least, in its own unit: 1e-17 is rounding, whatever is drawn.
+/// Least span of any axis, in its own unit: 1e-17 is rounding, whatever is drawn.
 const LEAST: f64 = 1e-9;
-/// The same of a logarithmic one, as a factor.
+/// Least span of a logarithmic axis, as a factor.
 const LEAST_FACTOR: f64 = 1.1;
 
 /// The least height of a plot over this range.
@@ -367,13 +367,13 @@ fn least_height(range: &Range<f64>, shape: PlotShape) -> f64 {
     }
 }
 
-/// A range that is widened around its middle where it is too small to be drawn as a result.
+/// Widens a range around its middle if it is too small to be drawn.
 fn no_less(range: Range<f64>, least: f64) -> Range<f64> {
     let more = 0.5 * (least - (range.end - range.start)).max(0.0);
     range.start - more..range.end + more
 }
 
-/// What the curves span, with a margin.
+/// The range of the curves, with a margin.
 fn span(curves: &[Curve], pick: fn(&(f64, f64)) -> f64, margin: f64) -> Range<f64> {
     let values = curves.iter().flat_map(|c| c.points.iter().map(pick));
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {

@@ -1,9 +1,9 @@
-//! Axes with round ticks, and points in a form that a page can carry.
+//! Axes with round ticks, and points in a form that fits into a page.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// From values to places in the drawing.
+/// Maps values to positions in the drawing.
 #[derive(Clone, Debug)]
 pub struct PlotAxis {
     /// Values at its ends.
@@ -17,16 +17,16 @@ impl PlotAxis {
         Self { range, places }
     }
 
-    /// Where a value is.
+    /// The position of a value.
     pub fn place(&self, value: f64) -> f64 {
         let share = (value - self.range.start) / (self.range.end - self.range.start);
-        // What is far outside is cut off by the drawing; it must not become a number of twenty digits.
+        // What is far outside is cut off by the drawing; its coordinate must not have twenty digits.
         let share = share.clamp(-3.0, 4.0);
         self.places.start + share * (self.places.end - self.places.start)
     }
 }
 
-/// Round values in a range, at most about so many; one that ends a hair beyond the range is inside.
+/// Round values in a range, at most about `most`; one that lies only just beyond the range is included.
 pub fn round_ticks(range: &Range<f64>, most: usize) -> Vec<f64> {
     let span = range.end - range.start;
     let coarse = span / most as f64;
@@ -42,8 +42,8 @@ pub fn round_ticks(range: &Range<f64>, most: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// Logarithms of round values in a range of logarithms: whole decades, else 1, 2 and 5 of each, else round values, so that
-/// there are always two.
+/// Logarithms of round values in a range of logarithms: whole decades, else 1, 2 and 5 of each, else round values, so
+/// that there are always at least two.
 pub fn logarithmic_ticks(range: &Range<f64>) -> Vec<f64> {
     let decades = range.start.floor() as i32..=range.end.ceil() as i32;
     for of_decade in [&[1.0][..], &[1.0, 2.0, 5.0]] {
@@ -60,12 +60,12 @@ pub fn logarithmic_ticks(range: &Range<f64>) -> Vec<f64> {
     round.filter(|v| *v > 0.0).map(f64::log10).collect()
 }
 
-/// Below this share of the largest a tick is zero.
+/// A tick below this share of the largest is zero.
 const ZERO: f64 = 1e-9;
-/// Digits beyond which nothing is told apart any more.
+/// Digits beyond which values cannot be told apart.
 const MOST_DIGITS: usize = 12;
 
-/// Labels of an axis, without needless zeros and with as few digits as tell all of them apart.
+/// Labels of an axis, without needless zeros and with as few digits as distinguish them.
 pub fn labels(ticks: &[f64]) -> Vec<String> {
     let least = ZERO * ticks.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let with = |more: usize| -> Vec<String> {
@@ -83,7 +83,7 @@ pub fn labels(ticks: &[f64]) -> Vec<String> {
     fewest.unwrap_or_else(|| with(MOST_DIGITS))
 }
 
-/// A label with so many digits more than usual.
+/// A label with this many digits more than usual.
 fn tick(v: f64, more: usize) -> String {
     let digits = match v.abs() {
         a if !(1e-3..1e6).contains(&a) => return format!("{v:.more$e}"),

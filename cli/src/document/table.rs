@@ -1,4 +1,4 @@
-//! Tables: on the terminal as wide as it is, and never broken inside a word or a number.
+//! Tables: as wide as the terminal, and never broken within a word or a number.
 
 use super::grade::Grade;
 use crate::terminal::bond::{self, bound};
@@ -8,11 +8,11 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, TableComp
 use std::fmt;
 use textwrap::core::display_width;
 
-/// Columns of a terminal from which on tables are set with room around each cell.
+/// Terminal columns from which on cells have padding on both sides.
 const SPACIOUS: usize = 120;
 /// A longer word, such as a path, may be broken.
 const LONGEST_WORD: usize = 44;
-/// Columns, letters in a row, and letters in the heads, that fit into the width of a page's text.
+/// Columns, letters in a row, and letters in the headers that fit into the text width of a page.
 const TEXT_COLUMNS: usize = 9;
 const TEXT_LETTERS: usize = 90;
 const HEAD_LETTERS: usize = 80;
@@ -22,23 +22,23 @@ const HEAD_LETTERS: usize = 80;
 pub struct TableRow {
     /// Its cells.
     pub(super) cells: Vec<String>,
-    /// What a dot before it says, on the page.
+    /// The grade shown by a dot before it, on the page.
     pub(super) grade: Option<Grade>,
-    /// The length of a bar behind it, of the longest, on the page.
+    /// The length of a bar after it, as a share of the longest, on the page.
     pub(super) bar: Option<f64>,
 }
 
-/// A table for people. Where the terminal is too narrow for its longest words side by side, columns that matter least are left
-/// out and named below it; where it is too narrow for the others, each row is a block of lines.
+/// A table for people. If the terminal is too narrow for its longest words side by side, the least important columns are
+/// left out and named below it; if it is still too narrow, each row becomes a block of lines.
 #[derive(Clone, Debug)]
 pub struct Table {
     head: Vec<String>,
     rows: Vec<TableRow>,
-    /// Columns from the first on that hold words, to the left.
+    /// Number of leading columns that hold words, aligned left.
     words: usize,
-    /// Columns that may be left out, the first one first.
+    /// Columns that may be left out, in this order.
     least_important: &'static [usize],
-    /// Columns of the terminal; none: as wide as it needs.
+    /// Columns of the terminal; none: no limit.
     width: Option<u16>,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Table {
     }
 }
 
-/// The table with columns of these widths, blanks beside the cells included; those of no width are not shown.
+/// Sets the widths of the columns, padding included; those of width 0 are hidden.
 fn set(mut table: comfy_table::Table, widths: &[usize], padding: (u16, u16)) -> comfy_table::Table {
     for (column, width) in table.column_iter_mut().zip(widths) {
         column.set_constraint(match width {
@@ -81,7 +81,7 @@ fn set(mut table: comfy_table::Table, widths: &[usize], padding: (u16, u16)) -> 
 }
 
 impl Table {
-    /// One row more.
+    /// Adds a row.
     pub fn add_row<C: Into<String>>(&mut self, cells: impl IntoIterator<Item = C>) {
         self.rows.push(TableRow {
             cells: cells.into_iter().map(Into::into).collect(),
@@ -89,7 +89,7 @@ impl Table {
         });
     }
 
-    /// The same with more rows.
+    /// The same with these rows added.
     pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         rows.into_iter().for_each(|row| self.add_row(row));
         self
@@ -102,14 +102,14 @@ impl Table {
         }
     }
 
-    /// Puts a bar behind the last row, on the page.
+    /// Puts a bar after the last row, on the page.
     pub fn bar_last(&mut self, share: f64) {
         if let Some(row) = self.rows.last_mut() {
             row.bar = Some(share.clamp(0.0, 1.0));
         }
     }
 
-    /// The same with words in the first `columns`, to the left.
+    /// The same with words in the first `columns`, aligned left.
     pub fn with_words(self, columns: usize) -> Self {
         Self {
             words: columns,
@@ -117,7 +117,7 @@ impl Table {
         }
     }
 
-    /// The same with columns that a narrow terminal may leave out, the first one first.
+    /// The same with columns that a narrow terminal may leave out, in this order.
     pub fn least_important(self, columns: &'static [usize]) -> Self {
         Self {
             least_important: columns,
@@ -125,7 +125,7 @@ impl Table {
         }
     }
 
-    /// The same for reading: no wider than a page where there is no terminal.
+    /// The same for reading: without a terminal no wider than a page.
     pub fn of_text(self) -> Self {
         Self {
             width: Some(output::page_columns()),
@@ -137,13 +137,13 @@ impl Table {
         &self.rows
     }
 
-    /// The heads of its columns on the page.
+    /// The headers of its columns on the page.
     pub(super) fn heads(&self) -> impl Iterator<Item = &str> {
         let bar = self.rows.iter().any(|row| row.bar.is_some()).then_some("");
         self.head.iter().map(String::as_str).chain(bar)
     }
 
-    /// What the text of a page is not wide enough for goes beyond it on both sides.
+    /// True if the table is wider than the text of a page; it then extends beyond it on both sides.
     pub(super) fn is_wide(&self) -> bool {
         let letters = |row: &TableRow| row.cells.iter().map(String::len).sum::<usize>();
         let longest = self.rows.iter().map(letters).max().unwrap_or(0);
@@ -151,12 +151,12 @@ impl Table {
         self.head.len() > TEXT_COLUMNS || longest > TEXT_LETTERS || heads > HEAD_LETTERS
     }
 
-    /// The table with each unit bound to its number.
+    /// The table with each unit joined to its number.
     fn laid_out(&self) -> comfy_table::Table {
         let mut table = comfy_table::Table::new();
         table
             .load_preset(UTF8_HORIZONTAL_ONLY)
-            // A rule after every row makes a table twice as long.
+            // A rule after every row would make a table twice as long.
             .remove_style(TableComponent::HorizontalLines)
             .remove_style(TableComponent::MiddleIntersections)
             .set_content_arrangement(ContentArrangement::Dynamic)
@@ -173,7 +173,7 @@ impl Table {
         table
     }
 
-    /// What a wider terminal would show, too.
+    /// Names the columns that a wider terminal would also show.
     fn name(&self, left_out: &[usize], f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if left_out.is_empty() {
             return Ok(());
@@ -182,7 +182,7 @@ impl Table {
         write!(f, "\nOn a wider terminal also: {}.", names.join(", "))
     }
 
-    /// Each row as lines: the head of a column, and its cell.
+    /// Each row as lines with the header of a column and its cell.
     fn as_blocks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let wide = self
             .head
@@ -206,16 +206,16 @@ impl Table {
     }
 }
 
-/// The table as text, its bonds blanks again.
+/// The table as text, its joins turned back into spaces.
 fn loosened(table: &comfy_table::Table) -> String {
     bond::loosened(&table.to_string())
 }
 
-/// How wide the text of each column may be; 0: the column is left out.
+/// Text widths of the columns; 0: the column is left out.
 struct Widths {
-    /// At least: its longest word.
+    /// Minimum: the longest word.
     least: Vec<usize>,
-    /// At most: its longest line.
+    /// Maximum: the longest line.
     most: Vec<usize>,
 }
 
@@ -241,11 +241,11 @@ impl Widths {
         (self.least[column], self.most[column]) = (0, 0);
     }
 
-    /// Widths that fit into so many columns, blanks beside each cell included: the widest give way first. `None`: none do.
+    /// Widths that fit into this many columns, padding of each cell included: the widest shrink first. `None`: none fit.
     fn within(&self, columns: usize, (left, right): (u16, u16)) -> Option<Vec<usize>> {
         let padding = usize::from(left + right);
         let shown = self.most.iter().filter(|most| **most > 0).count();
-        // And a blank where other tables have a line.
+        // And a space where other tables have a line.
         let room = columns.checked_sub(shown * padding + shown.saturating_sub(1))?;
         let at_most = |cap: usize| -> Vec<usize> {
             let both = self.most.iter().zip(&self.least);
@@ -260,7 +260,7 @@ impl Widths {
     }
 }
 
-/// A table with a head; numbers, from the second column on, to the right.
+/// A table with a header; numbers, from the second column on, are aligned right.
 pub fn table(head: &[impl AsRef<str>]) -> Table {
     Table {
         head: head.iter().map(|h| h.as_ref().to_owned()).collect(),

@@ -1,6 +1,6 @@
 //! Texts with a little markup: `**bold**`, and code between backticks.
 
-/// The text as it stands on a page.
+/// The text as HTML for a page.
 pub fn html(text: &str) -> String {
     let escaped = text.replace('&', "&amp;").replace('<', "&lt;");
     between(
@@ -10,12 +10,12 @@ pub fn html(text: &str) -> String {
     )
 }
 
-/// The text as it stands on a terminal: without bold letters.
+/// The text for a terminal, without bold.
 pub fn plain(text: &str) -> String {
     text.replace("**", "")
 }
 
-/// The text with every pair of marks replaced; a mark without another one stays.
+/// Replaces every pair of marks; a mark without a partner stays.
 fn between(text: &str, mark: &str, [open, close]: [&str; 2]) -> String {
     let parts: Vec<&str> = text.split(mark).collect();
     let mut out = String::with_capacity(text.len());
@@ -31,7 +31,7 @@ fn between(text: &str, mark: &str, [open, close]: [&str; 2]) -> String {
     out
 }
 
-/// A template writes into memory, where nothing fails.
+/// A template writes into memory, which cannot fail.
 pub fn written(rendered: askama::Result<String>) -> String {
     rendered.unwrap_or_else(|e| format!("the page cannot be written: {e}"))
 }

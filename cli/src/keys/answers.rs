@@ -1,4 +1,4 @@
-//! The schemas of files, and of what the verbs answer with `--json`.
+//! The schemas of files, and of the results of verbs with `--json`.
 
 use super::key::Group;
 use super::list::all;
@@ -36,10 +36,10 @@ struct ComparedRows {
     rows: Vec<Summary>,
 }
 
-/// A name, and the schema that it stands for.
+/// A name and its schema.
 type NamedSchema = (&'static str, fn() -> Value);
 
-/// The schemas of files, and of the answers of verbs.
+/// The schemas of files, and of the results of verbs.
 pub const SCHEMAS: [NamedSchema; 26] = [
     ("test", || schema(&all())),
     ("model", read::<Model>),
@@ -81,7 +81,7 @@ fn generate() -> SchemaGenerator {
         .into_generator()
 }
 
-/// A list, which does not say where it comes from.
+/// A list, which has no provenance.
 fn list_of<T: JsonSchema>() -> Value {
     let mut schema = generate().into_root_schema_for::<Vec<T>>().to_value();
     or_null(&mut schema);
@@ -105,7 +105,7 @@ fn of<T: JsonSchema>() -> Value {
     schema
 }
 
-/// What is not known, or beyond all bounds, is null in an answer.
+/// A number that is not known, or infinite, is null in a result.
 fn or_null(schema: &mut Value) {
     match schema {
         Value::Object(map) => {

@@ -1,14 +1,14 @@
-//! A declared model to begin with: every key explained, from the same list as the keys of a test file.
+//! A declared model as a start: every key explained, from the same list as the keys of a test file.
 
 use super::key::{Group, Key};
 use super::value::ValueKind;
 use std::fmt::Write as _;
 
-/// The table of a test file whose inner tables a model's file has at its top.
+/// The table of a test file whose inner tables are top-level tables of a model file.
 const DECLARED: &str = "declared.";
 
-/// Value and standard tolerance of each declared parameter of a rig that nobody has measured: those of the drawing and of the
-/// data sheets. A laboratory writes its own over them.
+/// Value and standard tolerance of each declared parameter of a rig not yet measured, as from the drawing and data
+/// sheets. A laboratory replaces them by its own.
 const BEGIN_WITH: [(&str, [f64; 2]); 8] = [
     ("gain", [1.0, 0.01]),
     ("delay_ms", [4.0, 1.0]),
@@ -58,7 +58,7 @@ fn write_key(text: &mut String, key: &Key, table: &str) {
                 "{name} = {{ value = {value:?}, tolerance = {tolerance:?} }}"
             );
         }
-        // What a diagnosis writes and nobody types.
+        // Written by a diagnosis, not by hand.
         (None, ValueKind::Tables | ValueKind::Declared) => {
             comment(
                 text,

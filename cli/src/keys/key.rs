@@ -1,4 +1,4 @@
-//! What is said of a key.
+//! The description of a key.
 
 use super::value::ValueKind;
 

@@ -19,7 +19,7 @@ pub fn all() -> Vec<Group> {
     groups
 }
 
-/// What stands where a key is left out.
+/// The defaults of all keys.
 fn defaults() -> Value {
     let config = Config::shear_frame([1.0], [1.0], [0.0]);
     let mut defaults = serde_json::to_value(config).unwrap_or(Value::Null);
@@ -28,12 +28,12 @@ fn defaults() -> Value {
     defaults["watch"] = serde_json::to_value(WatchSettings::default()).unwrap_or(Value::Null);
     defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
     defaults["coupled"] = coupled_defaults();
-    // What a test file has to say has no default.
+    // What a test file must state has no default.
     defaults["structure"] = json!({});
     defaults
 }
 
-/// What a table of coupled actuators has where it says nothing.
+/// The defaults of the tables of coupled actuators.
 fn coupled_defaults() -> Value {
     let actuators = json!({
         "gain": [[1.0, 0.0], [0.0, 1.0]], "lead_ms": [[0.0, 0.0], [0.0, 0.0]],
@@ -90,7 +90,7 @@ fn walk(path: &str, table: &Value, defaults: &Value, groups: &mut Vec<Group>) {
     }
 }
 
-/// A default as it would be written.
+/// A default as written in a file.
 fn written(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,

@@ -1,7 +1,8 @@
-//! Every key of a test file: its unit, default, range and meaning, from the code that reads it; the schemas of files and answers.
+//! Every key of a test file: its unit, default, range and meaning, from the code that reads it; the schemas of files and
+//! results.
 //!
-//! Names, types and meanings are those of the structures' JSON Schema, defaults are those that the structures have, and what is
-//! accepted is what the refusal of a wrong value says. So this list cannot say anything else than the code.
+//! Names, types and meanings come from the structures' JSON Schema, defaults from the structures themselves, and accepted
+//! values from the refusal of a wrong value. So this list cannot contradict the code.
 
 mod answers;
 mod declared_model;

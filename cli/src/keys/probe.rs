@@ -1,15 +1,15 @@
-//! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
+//! What a key accepts: the code that reads it is given a wrong value, and its refusal says it.
 
 use super::value::ValueKind;
 use experiment::files::test::TestFile;
 use std::path::Path;
 
-/// A test file that is accepted.
+/// A valid test file.
 const PLAIN: &str =
     "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
-/// A test of coupled actuators that is accepted.
+/// A valid test of coupled actuators.
 const COUPLED: &str = include_str!("../../../examples/coupled-frame.toml");
-/// Kinds under which a key of the rig is looked at, where another kind would refuse it for being there at all.
+/// Kinds with which a key of the rig is probed, since another kind would refuse it for being present at all.
 const KINDS: [&str; 13] = [
     "",
     "compensation.kind=\"lagrange\"",
@@ -26,7 +26,7 @@ const KINDS: [&str; 13] = [
     "plant.actuator.delay_jump={at_s=1,delay_ms=1}",
 ];
 
-/// In words.
+/// The accepted values in words.
 pub fn accepted(path: &str, kind: &ValueKind, meaning: &str) -> String {
     let list;
     let wrong: &[&str] = match kind {
@@ -67,7 +67,7 @@ pub fn accepted(path: &str, kind: &ValueKind, meaning: &str) -> String {
     }
 }
 
-/// The part of a meaning that is a range, as `0 to 1`.
+/// The part of a meaning that is a range, such as `0 to 1`.
 fn range(meaning: &str) -> Option<&str> {
     let parts = meaning
         .trim_end_matches('.')
@@ -78,7 +78,7 @@ fn range(meaning: &str) -> Option<&str> {
         .find(|part| part.contains(" to ") && part.ends_with(|c: char| c.is_ascii_digit()))
 }
 
-/// What the code says against a test file with these values, as file or as rig.
+/// The refusal of a test file with these values.
 fn refusal(overrides: &[&str]) -> Option<String> {
     let overrides: Vec<String> = overrides
         .iter()
@@ -93,7 +93,7 @@ fn refusal(overrides: &[&str]) -> Option<String> {
         TestFile::parse(PLAIN, "test", Path::new(""), &overrides).err()
     };
     let said = refused?.to_string();
-    // What was set stands in front: a key there is not the one that is refused.
+    // The settings come first: a key in them is not the one that is refused.
     let set = format!("test with --set {}: ", overrides.join(" --set "));
     Some(said.strip_prefix(&set).unwrap_or(&said).to_owned())
 }
@@ -106,7 +106,7 @@ fn said(refusal: &str, path: &str) -> Option<String> {
         .or_else(|| refusal.rsplit_once("accepted is "))
         .or_else(|| refusal.rsplit_once("expected one of "))
         .or_else(|| refusal.rsplit_once(", expected "))?;
-    // The refusal has to be of this key, not of another one that its value contradicts.
+    // The refusal must be of this key, not of another one that contradicts its value.
     before.contains(key).then(|| {
         after
             .trim_end_matches('.')

@@ -15,7 +15,7 @@ struct Page<'a> {
     groups: &'a [Group],
 }
 
-/// The page of the documents.
+/// The page for the documents.
 pub fn markdown(groups: &[Group]) -> Result<String, Failure> {
     let page = Page { groups }.render();
     page.map_err(|e| Failure::test(format!("the page cannot be written: {e}")))
@@ -28,7 +28,8 @@ fn cell(text: &str) -> String {
 /// A number with its unit.
 const SAID: &str = "^[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[^0-9 ].*$";
 
-/// A JSON Schema (draft 2020-12) of the test file: that of its structures, with what each key accepts, its unit and its default.
+/// A JSON Schema (draft 2020-12) of the test file: that of its structures, with the accepted values, unit and default of
+/// each key.
 pub(super) fn schema(groups: &[Group]) -> Value {
     let mut root = test_file();
     root["title"] = json!("A test of outerloop");
@@ -53,7 +54,7 @@ fn describe(schema: &mut Value, key: &Key) {
     }
     let default = key.default.as_ref();
     let default: Option<Value> = default.and_then(|d| serde_json::from_str(d).ok());
-    // A number may say its unit.
+    // A number may be given with its unit.
     if units::may_be_said(key.unit) && key.unit != "1" && key.kind != ValueKind::Declared {
         let number = schema.take();
         *schema = json!({ "anyOf": [number, { "type": "string", "pattern": SAID }] });

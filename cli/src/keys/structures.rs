@@ -1,4 +1,4 @@
-//! The schemas of what is read from files, as the structures have them.
+//! The schemas of files, from the structures that read them.
 
 use super::value;
 use diagnosis::Model;
@@ -13,7 +13,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
-/// The schema of what is read from a file, without references.
+/// The schema of a structure read from a file, without references.
 pub(super) fn read<T: JsonSchema>() -> Value {
     let generator = SchemaSettings::draft2020_12().into_generator();
     let schema = generator.into_root_schema_for::<T>().to_value();
@@ -25,7 +25,7 @@ pub(super) fn read<T: JsonSchema>() -> Value {
     schema
 }
 
-/// The schema of a whole test file, as its structures have it.
+/// The schema of a whole test file, from its structures.
 pub(super) fn test_file() -> Value {
     let mut file = read::<Config>();
     let tables = [
@@ -40,7 +40,7 @@ pub(super) fn test_file() -> Value {
     for (name, table) in tables {
         file["properties"][name] = table;
     }
-    // What is left out of that rig is as it is declared.
+    // A key left out of that rig is as declared.
     let mut coupled = read::<CoupledRigSpec>();
     value::nothing_required(&mut coupled);
     file["properties"]["plant"]["properties"]["coupled"] = coupled;

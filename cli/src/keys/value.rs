@@ -1,8 +1,8 @@
-//! What a key holds, by its JSON Schema.
+//! The kind of a key's value, from its JSON Schema.
 
 use serde_json::{Map, Value};
 
-/// What a key holds.
+/// The kind of a key's value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ValueKind {
     /// A number.
@@ -11,9 +11,9 @@ pub enum ValueKind {
     Integer,
     /// A number, or a list with one for each floor or axis.
     Numbers,
-    /// A list of so many numbers.
+    /// A list of this many numbers.
     List(usize),
-    /// Rows of numbers; of how many rows, where that is fixed.
+    /// Rows of numbers; with the number of rows if it is fixed.
     Matrix(Option<usize>),
     /// A list of texts.
     Texts,
@@ -21,7 +21,7 @@ pub enum ValueKind {
     Text,
     /// True or false.
     Flag,
-    /// A name out of a list that the code has.
+    /// A name from a list in the code.
     Name,
     /// A value with its tolerance, in one line.
     Declared,
@@ -31,14 +31,14 @@ pub enum ValueKind {
     Tables,
 }
 
-/// What a schema says of its value, in one paragraph.
+/// The description in a schema, in one paragraph.
 pub fn meaning(schema: &Value) -> String {
     let said = schema["description"].as_str();
     said.unwrap_or_default().replace('\n', " ")
 }
 
-/// The schema with each reference replaced by what it refers to, and without null, which no file can hold: what may be left out
-/// is left out. A table keeps the words of its structure, all else has those of its field.
+/// The schema with each reference replaced by its definition, and without null, which no file can contain: an optional
+/// key is simply left out. A table keeps the description of its structure, any other value that of its field.
 pub fn inlined(schema: Value, definitions: &Value) -> Value {
     let mut map = match schema {
         Value::Object(map) => map,
@@ -72,13 +72,13 @@ fn pair(list: &Value) -> Option<&[Value; 2]> {
     list.as_array()?.as_slice().try_into().ok()
 }
 
-/// What may be there, where nothing else may but null.
+/// The only alternative to null, if there is just one.
 fn only_choice(map: &Map<String, Value>) -> Option<Value> {
     let [one, null] = map.get("anyOf").and_then(pair)?;
     (null["type"] == "null").then(|| one.clone())
 }
 
-/// What was found for a field, with what the field says of itself.
+/// The definition found for a field, with the field's own attributes.
 fn in_its_place(mut found: Value, field: Map<String, Value>) -> Value {
     let is_table = ValueKind::of(&found) == ValueKind::Table;
     for (key, part) in field {
@@ -89,7 +89,7 @@ fn in_its_place(mut found: Value, field: Map<String, Value>) -> Value {
     found
 }
 
-/// The schema of a table in which everything may be left out.
+/// Makes every key of a table's schema optional.
 pub fn nothing_required(schema: &mut Value) {
     if let Some(map) = schema.as_object_mut() {
         map.remove("required");
@@ -98,7 +98,7 @@ pub fn nothing_required(schema: &mut Value) {
 }
 
 impl ValueKind {
-    /// Of the values of a schema.
+    /// From a schema.
     pub fn of(schema: &Value) -> Self {
         let type_of = |s: &Value| s["type"].as_str().unwrap_or_default().to_owned();
         let items = &schema["items"];
@@ -119,7 +119,7 @@ impl ValueKind {
                 _ => Self::Tables,
             },
             _ if schema["oneOf"].is_array() || schema["anyOf"][0]["enum"].is_array() => Self::Name,
-            // A number, or one for each.
+            // A number, or one for each floor or axis.
             _ => Self::Numbers,
         }
     }

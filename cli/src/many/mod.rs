@@ -1,4 +1,4 @@
-//! The same test many times: over the values of one key, or on rigs that are drawn around the declared one.
+//! The same test many times: over the values of one key, or on rigs drawn around the declared one.
 
 pub mod range;
 
@@ -51,11 +51,12 @@ pub struct Outcome {
     pub eps_rms_worst: f64,
 }
 
-/// Runs every experiment under every compensation on all cores; fewer after Ctrl-C. `lay_out` gives the experiments of a group with
-/// their values, whose ideals are worked out together: their tests differ in the rig alone. In the order of the groups.
+/// Runs every experiment under every compensation on all cores; fewer after Ctrl-C. `lay_out` gives the experiments of a
+/// group with their values. Their ideals are computed together, so they may differ only in the rig. Results are in the
+/// order of the groups.
 ///
 /// # Errors
-/// A test that cannot be laid out.
+/// An experiment that cannot be run.
 pub fn run(
     groups: usize,
     lay_out: impl Fn(usize) -> Vec<(f64, Experiment)> + Sync,
@@ -102,7 +103,7 @@ pub fn run(
     Ok(parts.into_iter().flatten().collect())
 }
 
-/// The worst error of one compensation at one value, over the ground motions: eps_rms; infinite where one was lost.
+/// The worst error, eps_rms, of one compensation at one value, over the ground motions; infinite if one was lost.
 pub fn worst(rows: &[OneOfMany], compensation: &str, value: f64) -> Option<f64> {
     let own = rows
         .iter()

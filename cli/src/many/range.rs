@@ -3,7 +3,7 @@
 use experiment::failure::Failure;
 use experiment::files::units;
 
-/// A key and the values that it takes.
+/// A key and its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// Dotted path of the key.
@@ -12,14 +12,14 @@ pub struct Range {
     pub values: Vec<f64>,
 }
 
-/// Most values of a sweep.
+/// Largest number of values in a sweep.
 const MOST: usize = 1000;
 
 impl Range {
-    /// Reads `PATH=A,B,C` or `PATH=FROM..TO/N`, N values at equal distances with both ends. A value may say its unit.
+    /// Reads `PATH=A,B,C` or `PATH=FROM..TO/N`: N values at equal distances, both ends included. A value may have a unit.
     ///
     /// # Errors
-    /// A sentence: no path, no numbers, fewer than two, more than 1000, one twice.
+    /// One sentence: no path, no numbers, fewer than two values, more than 1000, or one twice.
     pub fn parse(text: &str) -> Result<Self, Failure> {
         let refuse = |why: String| {
             Failure::input(format!(
@@ -46,7 +46,7 @@ impl Range {
                     return Err(refuse(format!("has {n} values")));
                 }
                 let share = |i: usize| i as f64 / (n - 1) as f64;
-                // Of the digits that people write: 0.1 times 3 is 0.3.
+                // To as many digits as people write: 0.1 times 3 is 0.3.
                 let round = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
                 (0..n)
                     .map(|i| round(from + (to - from) * share(i)))
@@ -66,7 +66,7 @@ impl Range {
         })
     }
 
-    /// The override that sets the `i`-th value.
+    /// The override that sets `value`.
     pub fn setting(&self, value: f64) -> String {
         format!("{}={value:?}", self.path)
     }

@@ -1,4 +1,4 @@
-//! From 2000 steps a second to as many points as a screen shows, without losing a peak.
+//! Reduces 2000 steps a second to as many points as a screen shows, without losing a peak.
 
 use experiment::trace::AnyRecord;
 use outerloop_core::flag;
@@ -20,17 +20,17 @@ pub const CHANNELS: [(&str, &str, f64); 12] = [
     ("energy error ratio", "%", 1e2),
 ];
 
-/// Control steps in a point, at first.
+/// Initial number of control steps in a point.
 const SPAN: u32 = 10;
-/// Points that wait for the next message, at most: with more, two become one.
+/// Largest number of points waiting for the next message: beyond it, pairs are joined.
 const WAITING: usize = 128;
 
-/// The channels of one step, in the units of [`CHANNELS`]; the first storey's.
+/// The channels of one step, in the units of [`CHANNELS`]; of the first storey.
 #[derive(Clone, Copy, Debug)]
 pub struct Band(pub [f64; CHANNELS.len()]);
 
 impl Band {
-    /// Of a record.
+    /// From a record.
     pub fn of(r: &AnyRecord<'_>) -> Self {
         let values = [
             r.command_m[0],
@@ -54,7 +54,7 @@ impl Band {
     }
 }
 
-/// What is counted of a step.
+/// The counters of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepColumns {
     /// Control step.
@@ -66,7 +66,7 @@ pub struct StepColumns {
 }
 
 impl StepColumns {
-    /// Of a record.
+    /// From a record.
     pub fn of(r: &AnyRecord<'_>) -> Self {
         Self {
             tick: r.tick,
@@ -76,7 +76,7 @@ impl StepColumns {
     }
 }
 
-/// Some control steps as one point.
+/// Several control steps as one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     first_tick: u32,
@@ -100,7 +100,7 @@ impl Point {
         }
     }
 
-    /// With what came after it.
+    /// Adds the next point.
     fn and(&mut self, next: &Self) {
         self.steps += next.steps;
         self.late += next.late;
@@ -111,12 +111,12 @@ impl Point {
         self.last = next.last;
     }
 
-    /// As JSON: tick, steps, late steps, then smallest, largest and last value of each channel.
+    /// As JSON: tick, steps, late steps, then the smallest, largest and last value of each channel.
     pub fn write(&self, text: &mut String) {
         let _ = write!(text, "[{},{},{}", self.first_tick, self.steps, self.late);
         for i in 0..CHANNELS.len() {
             for value in [self.low[i], self.high[i], self.last[i]] {
-                // NaN has no place in JSON.
+                // JSON has no NaN.
                 if value.is_finite() {
                     let _ = write!(text, ",{}", short(value));
                 } else {
@@ -128,7 +128,7 @@ impl Point {
     }
 }
 
-/// Six digits are more than a screen shows.
+/// Rounds to six digits, more than a screen shows.
 fn short(value: f64) -> f64 {
     if value == 0.0 {
         return 0.0;
@@ -138,7 +138,7 @@ fn short(value: f64) -> f64 {
     if rounded.is_finite() { rounded } else { value }
 }
 
-/// The points that wait to be sent.
+/// The points waiting to be sent.
 #[derive(Clone, Debug)]
 pub struct PendingPoints {
     points: Vec<Point>,
@@ -154,7 +154,7 @@ impl PendingPoints {
         }
     }
 
-    /// Takes a step in.
+    /// Adds a step.
     pub fn take(&mut self, columns: &StepColumns, band: &Band) {
         let step = Point::of(columns, band);
         match self.points.last_mut() {
@@ -181,7 +181,7 @@ impl PendingPoints {
             .collect();
     }
 
-    /// Takes out what waits.
+    /// Removes and gives all waiting points.
     pub fn drain(&mut self) -> Vec<Point> {
         self.span = SPAN;
         std::mem::replace(&mut self.points, Vec::with_capacity(WAITING))

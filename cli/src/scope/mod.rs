@@ -1,4 +1,4 @@
-//! A picture in the browser while a test runs, and a few buttons. It is not the emergency stop.
+//! A live view in the browser while a test runs, with a few buttons. It is not the emergency stop.
 //!
 //! ```text
 //!  control steps ─► see ─► decimate ─► every 20 ms to each browser (server, WebSocket)
@@ -6,8 +6,8 @@
 //!                   └─────── event ◄──── Hold, Stop, Resume, Clear
 //! ```
 //!
-//! A browser sees every peak: of all steps between two points smallest and largest value are sent. It disturbs nothing: a
-//! step is handed over in memory, and whoever reads too slowly is dropped.
+//! A browser sees every peak: for all steps of a point the smallest and largest value are sent. It does not disturb the
+//! test: a step is handed over in memory, and a browser that reads too slowly is dropped.
 
 mod decimate;
 mod server;
@@ -21,22 +21,22 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Steps between two looks at the clock, where the scope gives the pace.
+/// Steps between two checks of the clock, if the scope sets the pace.
 const PACE_STEPS: u64 = 16;
 
 /// A page that is being served.
 pub struct Scope {
     shared: Arc<Shared>,
-    /// A simulated rig runs by the wall clock then, as one in the laboratory would: when it began, and its steps.
+    /// If the simulated rig runs by the wall clock, as in a laboratory: its start, and its steps.
     clock: Option<(Instant, u64)>,
     rate_hz: f64,
 }
 
 impl Scope {
-    /// Opens the page and says where it is. `real_time`: the test runs by the wall clock.
+    /// Opens the page and prints its address. `real_time`: the test runs by the wall clock.
     ///
     /// # Errors
-    /// An address that cannot be listened at.
+    /// An address that cannot be bound.
     pub fn open(
         address: SocketAddr,
         title: &str,
@@ -101,12 +101,12 @@ pub struct Scoped {
 }
 
 impl Scoped {
-    /// True if one was asked for.
+    /// True if one was requested.
     pub fn is_wanted(&self) -> bool {
         self.scope.is_some()
     }
 
-    /// The scope, where one was asked for.
+    /// The scope, if requested.
     ///
     /// # Errors
     /// As [`Scope::open`].

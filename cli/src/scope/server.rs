@@ -1,4 +1,4 @@
-//! The page and its WebSocket: bound to one address, behind a random token, for pages of its own origin alone.
+//! The page and its WebSocket: bound to one address, behind a random token, only for pages of its own origin.
 
 use super::decimate::{Band, CHANNELS, PendingPoints, StepColumns};
 use experiment::failure::Failure;
@@ -13,15 +13,15 @@ use tungstenite::http::StatusCode;
 use tungstenite::{Message, WebSocket};
 
 const PAGE: &str = include_str!("page.html");
-/// Between two messages to a browser.
+/// Time between two messages to a browser.
 const PERIOD: Duration = Duration::from_millis(20);
 /// How long a browser may take to send its request, or to read a message, before it is dropped.
 const TIMEOUT: Duration = Duration::from_secs(2);
-/// How long a look at the buttons takes where none was pressed.
+/// How long a check of the buttons takes if none was pressed.
 const SHORT_WAIT: Duration = Duration::from_millis(1);
-/// The longest request.
+/// The longest request, bytes.
 const HEAD: usize = 8192;
-/// Messages that a browser that comes late gets first: some 40 s.
+/// Messages that a late browser receives first, at least: some 40 s.
 const HISTORY: usize = 2000;
 
 /// What the test and the browsers share.
@@ -30,7 +30,7 @@ pub struct Shared {
     token: String,
     hello: String,
     state: Mutex<State>,
-    /// There is another message.
+    /// Signals a new message.
     news: Condvar,
 }
 
@@ -38,9 +38,9 @@ struct State {
     mode: Mode,
     step: u32,
     waiting: PendingPoints,
-    /// What the rig watch says; empty while it has said nothing.
+    /// The latest text of the rig watch; empty if there is none yet.
     watch: String,
-    /// Messages since the beginning, the last of them kept.
+    /// The latest messages.
     sent: Vec<Arc<str>>,
     first: usize,
     reported_mode: Option<Mode>,
@@ -48,7 +48,7 @@ struct State {
     ended: bool,
 }
 
-/// Listens at `address`; everything else happens on threads of its own.
+/// Listens at `address`; everything else happens on separate threads.
 pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared>, Failure> {
     let cannot = |e: std::io::Error| {
         Failure::input(format!(
@@ -106,7 +106,7 @@ fn token() -> Result<String, getrandom::Error> {
     Ok(bytes.iter().map(|b| format!("{b:02x}")).collect())
 }
 
-/// What a button asks for, and the modes in which it means something.
+/// The event of a button, if it is allowed in this mode.
 fn event_of(button: &str, mode: Mode) -> Option<Event> {
     let event = match button {
         "hold" => Event::Hold,
@@ -115,47 +115,47 @@ fn event_of(button: &str, mode: Mode) -> Option<Event> {
         "clear" => Event::Clear,
         _ => return None,
     };
-    // Armed, a start begins a test: that is not for a page to do.
+    // In Armed a start begins a test: a page must not do that.
     let meant = !(event == Event::Start && mode != Mode::Holding);
     (meant && mode.after(event).is_ok()).then_some(event)
 }
 
 impl Shared {
-    /// The address that a person opens.
+    /// The address for the browser.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token)
     }
 
-    /// A step.
+    /// Takes a step.
     pub fn take(&self, mode: Mode, band: &Band, columns: &StepColumns) {
         let mut state = self.state();
         (state.mode, state.step) = (mode, columns.step);
         state.waiting.take(columns, band);
     }
 
-    /// What the rig watch says from now on.
+    /// Takes the latest text of the rig watch.
     pub fn take_watch(&self, said: &str) {
         said.clone_into(&mut self.state().watch);
     }
 
-    /// The last button, once.
+    /// The last button pressed, given once.
     pub fn requested_event(&self) -> Option<Event> {
         self.state().requested.take()
     }
 
-    /// The test is over: the last message says so, and every browser has a moment to hear it.
+    /// The test is over: the last message says so, and every browser has a moment to receive it.
     pub fn end(&self) {
         self.state().ended = true;
         self.write();
         std::thread::sleep(3 * PERIOD);
     }
 
-    // A thread that panicked has left nothing half done that a picture would suffer from.
+    // A thread that panicked leaves nothing half done that would affect the picture.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next message to all.
+    /// Sends the next message to all browsers.
     fn write(&self) {
         let mut state = self.state();
         let points = state.waiting.drain();
@@ -211,7 +211,7 @@ impl Shared {
         }
     }
 
-    /// True if a WebSocket is one of our own page's.
+    /// Accepts a WebSocket only from our own page.
     #[expect(clippy::result_large_err, reason = "the type is the library's")]
     fn check_origin(
         &self,
@@ -229,7 +229,7 @@ impl Shared {
         Err(refusal)
     }
 
-    /// A name under which a browser may have found this address; another one is a foreign page's doing.
+    /// True for a name under which a browser may know this address; any other name comes from a foreign page.
     fn is_own_address(&self, host: &str) -> bool {
         let (ip, port) = (self.address.ip(), self.address.port());
         if ip.is_unspecified() {
@@ -253,7 +253,7 @@ impl Shared {
         } else {
             ("403 Forbidden", "text/plain", "refused\n")
         };
-        // What was peeked at is read, so that closing does not cut the answer off.
+        // The peeked bytes are read, so that closing does not cut off the response.
         let _ = stream.read(&mut vec![0; HEAD]);
         let _ = write!(
             stream,
@@ -266,7 +266,7 @@ impl Shared {
         );
     }
 
-    /// Sends what there is and receives buttons, until either end closes.
+    /// Sends all messages and receives buttons, until either end closes.
     fn talk(&self, mut socket: WebSocket<TcpStream>) {
         let _ = socket.get_ref().set_read_timeout(Some(SHORT_WAIT));
         let mut next = self.state().first;
@@ -275,7 +275,7 @@ impl Shared {
         }
         loop {
             let (messages, ended) = {
-                // Sent as soon as it is there; the buttons are looked at in between.
+                // A message is sent as soon as it exists; the buttons are checked in between.
                 let nothing_new =
                     |s: &mut State| !s.ended && next.max(s.first) == s.first + s.sent.len();
                 let (state, _) = self
@@ -321,7 +321,7 @@ fn wall_ms() -> u128 {
     since.map_or(0, |t| t.as_millis())
 }
 
-/// The head of a request, left in the stream.
+/// The header of a request, left in the stream.
 fn peek_head(stream: &TcpStream) -> Option<String> {
     let (mut bytes, began) = ([0; HEAD], Instant::now());
     while began.elapsed() < TIMEOUT {

@@ -1,4 +1,4 @@
-//! The rig behind a board, by the same way as a test on a ground motion: armed, asked for, mirrored, ended.
+//! The rig behind a board, run as in a test on a ground motion: armed, recomputed on the PC, ended.
 
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
@@ -23,10 +23,10 @@ use outerloop_core::{
 };
 use std::collections::VecDeque;
 
-/// The rig behind the board at the other end of `connection`. `real`: there is a person to look before a trip is cleared.
+/// The rig behind the board at the other end of `connection`. `real`: a person must look before a trip is cleared.
 ///
 /// # Errors
-/// A test with more storeys than any board has actuators, or one that moves continuously without a limit on its speed.
+/// A test with more storeys than any board has actuators, or one that moves continuously without a velocity limit.
 pub fn serve_on_board(
     test: &TestFile,
     connection: BoardConnection,
@@ -63,10 +63,10 @@ pub fn serve_on_board(
     })
 }
 
-/// The test as the board is sent it and the loop that it then has, of a configuration with all limits that it asks for.
+/// From a configuration with all required limits: the test as sent to the board, and the loop that the board then runs.
 type Prepare<const N: usize, R> = Box<dyn Fn(Config) -> Result<(BoardTest, Design<N, R>), Failure>>;
 
-/// Of a frame whose storeys each have an actuator.
+/// For a frame whose storeys each have an actuator.
 fn of_storeys<const N: usize>(
     config: Config,
 ) -> Result<(BoardTest, Design<N, DirectRig<N>>), Failure> {
@@ -84,7 +84,7 @@ fn moved<const N: usize, R: Rig<N> + 'static>(
     Box::new(Travel::new(rig, test, keep, scope))
 }
 
-/// A board whose actuators hold all of the structure that is served: a storey each, or two of them a coupler.
+/// A board whose actuators hold all of the served structure: one storey each, or two of them a coupler.
 struct BoardRig<const N: usize, R: Rig<N>> {
     board: BoardConnection,
     operator: Operator,
@@ -95,10 +95,10 @@ struct BoardRig<const N: usize, R: Rig<N>> {
     hold: Hold,
     prepare: Prepare<N, R>,
     pace: Pace,
-    /// From the beginning to the end.
+    /// Set from the beginning of a client's test to its end.
     test: Option<Serving<N, R>>,
     permit: bool,
-    /// How the codes of each actuator are to be read, once the board has been asked.
+    /// The calibration of each actuator, once the board has been asked.
     calibrated: Vec<Calibration>,
     account: Option<OnBoard>,
 }
@@ -107,9 +107,9 @@ struct BoardRig<const N: usize, R: Rig<N>> {
 struct Serving<const N: usize, R: Rig<N>> {
     in_force: ConfiguredTest<'static, N, R>,
     identity: Identity,
-    /// Records that were received and not handed on yet.
+    /// Records that were received but not passed on yet.
     come: VecDeque<Record<N>>,
-    /// The board's button holds it, and the person has been asked.
+    /// The board's button holds the test, and the person has been asked.
     held: bool,
     lost: Option<String>,
     trip: Option<Fault>,
@@ -138,7 +138,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         }
     }
 
-    /// What to do with the test, where there is one; a link that is gone is remembered.
+    /// Acts on the test in force; a lost link is remembered.
     fn with<T>(
         &mut self,
         act: impl FnOnce(&mut BoardConnection, &mut Serving<N, R>) -> Result<T, Failure>,
@@ -152,7 +152,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         })
     }
 
-    /// Takes in what has come; after the last step of a test that tripped, that step, too.
+    /// Receives what has come; once a test has tripped, also its last step.
     fn listen(&mut self) -> Result<(), Stop> {
         self.with(|board, test| {
             let come = test.in_force.come(board)?;
@@ -164,7 +164,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         })
     }
 
-    /// The next step that has come and that nobody has seen, and, behind the last one, why the board goes no further.
+    /// The next unseen step; with the last one, the trip that ended the test.
     fn next_seen(&mut self) -> Result<Option<ServedStep<N>>, Stop> {
         self.with(|board, test| {
             let Some(record) = test.come.pop_front() else {
@@ -173,7 +173,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
             if test.in_force.mirror().differs() {
                 return Err(Failure::test(DIFFERS));
             }
-            // What is left of such a step are readings of the actuators, which are not x and rotation.
+            // The telemetry of such a step has readings of the actuators, which are not x and rotation.
             if !R::SAME_COORDINATES && !test.in_force.mirror().is_in_step() {
                 return Err(Failure::test(
                     "a step was lost between the board and the PC, and with it where x and the rotation are",
@@ -212,7 +212,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         })
     }
 
-    /// The board's own button has held the test: the person goes on.
+    /// The board's own button has held the test: the person resumes it.
     fn go_on(&mut self) -> Result<(), Stop> {
         let Self {
             board,
@@ -281,7 +281,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
 
     fn aim(&mut self, target_m: [f32; N]) -> Result<(), Stop> {
         self.with(|board, test| {
-            // The answer says what has become of it; a board that has tripped since takes it, and goes nowhere.
+            // The reply says what became of it; a board that has tripped meanwhile accepts it and does not move.
             test.in_force.aim(board, target_m)?;
             match test.in_force.mode() {
                 Mode::Armed => test.in_force.start(board),
@@ -305,7 +305,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
 
     fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop> {
         if self.test.is_none() {
-            // Between two clients the board needs heartbeats of the PC.
+            // Between two clients the board also needs heartbeats from the PC.
             let steps = self.board.steps().map_err(|e| Stop::Lost(e.to_string()))?;
             return Ok(steps.into_iter().filter_map(|s| self.idle(s)).collect());
         }
@@ -326,7 +326,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
         if self.test.is_some() {
             return self.with(|board, test| test.in_force.ask_for(board, event));
         }
-        // Between two clients there is nothing but a trip to be cleared.
+        // Between two clients only a trip can be cleared.
         match event {
             Event::Clear => clear(&mut self.board).map_err(|e| Stop::Lost(e.to_string())),
             _ => Ok(()),
@@ -348,10 +348,11 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
 
     fn end(&mut self) -> Result<(), Failure> {
         let Some(mut test) = self.test.take() else {
-            // Nothing was begun, or not to its end.
+            // Nothing was begun, or the beginning failed.
             return self.bring_to_idle();
         };
-        // Also where it was lost: it may hear the PC. A PC that it does not hear it gives up, and PERMIT is low half a second later.
+        // Done also with a lost link: the board may still hear the PC. A board that does not hear it gives the PC up after
+        // 0.5 s, and drops PERMIT at the end of its ramp.
         let finished = self.finish(&mut test);
         let board_status = match &finished {
             Ok(()) => status(&mut self.board).ok(),
@@ -361,7 +362,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
             Some(why) => Err(Failure::test(why)),
             None => finished,
         };
-        // Of a board that says nothing nobody knows.
+        // A board that does not answer counts as one with PERMIT.
         self.permit = board_status.as_ref().is_none_or(|v| v.permit);
         let why = ended.as_ref().err().map(Failure::to_string);
         self.account = Some(test.in_force.account(
@@ -384,7 +385,7 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
 }
 
 impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
-    /// To a standstill on the ramp, then idle.
+    /// Brings the rig to rest on the deceleration ramp, then makes the board idle.
     fn finish(&mut self, test: &mut Serving<N, R>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);
         if !has_ended(status(board)?.mode) {
@@ -397,7 +398,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         self.bring_to_idle()
     }
 
-    /// Idle, whatever it was doing; a trip is left as it is where a person has to look first.
+    /// Makes the board idle from any mode; a trip is left if a person has to look first.
     fn bring_to_idle(&mut self) -> Result<(), Failure> {
         loop {
             let now = status(&mut self.board)?;
@@ -406,7 +407,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
                 Mode::Idle => return Ok(()),
                 Mode::Tripped if self.real => return Ok(()),
                 Mode::Finished | Mode::Tripped => clear(&mut self.board)?,
-                // It comes to a standstill by itself.
+                // It comes to rest by itself.
                 Mode::Stopping => {}
                 _ => drop(done(&mut self.board, "stop", &Command::Event(Event::Stop))?),
             }
@@ -414,7 +415,7 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
     }
 }
 
-/// Nothing moves any more, or is about to come to rest.
+/// True if nothing moves any more, or the last ramp runs.
 fn has_ended(mode: Mode) -> bool {
     matches!(mode, Mode::Idle | Mode::Finished | Mode::Tripped)
 }

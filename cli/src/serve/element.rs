@@ -1,4 +1,4 @@
-//! What is declared of a rig that is served: an element of the client's model.
+//! The declaration of a served rig: an element of the client's model.
 
 use experiment::coupled::part::CoupledPart;
 use experiment::failure::Failure;
@@ -6,11 +6,11 @@ use experiment::files::serve::Settings;
 use experiment::files::test::TestFile;
 use outerloop_core::Pace;
 
-/// What is declared of the rig.
+/// The declaration of the rig.
 #[derive(Clone, Debug)]
 pub struct DeclaredElement {
     pub(super) settings: Settings,
-    /// Row by row, N/m; N/rad and so on of two actuators on one coupler.
+    /// Row by row, N/m; for two actuators on one coupler also N/rad and so on.
     pub(super) stiffness: Vec<f64>,
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) model_step_s: f64,
@@ -20,26 +20,26 @@ pub struct DeclaredElement {
 /// A degree of freedom of the element.
 #[derive(Clone, Debug)]
 pub(super) struct Coordinate {
-    /// Its name, which ends with its unit, where it is one of two actuators on one coupler.
+    /// Its name, which ends with its unit; only for two actuators on one coupler.
     pub name: Option<String>,
     /// The largest target, in `unit`.
     pub limit: f64,
-    /// The key that says so.
+    /// The key with this limit.
     pub limit_key: &'static str,
     /// m or rad.
     pub unit: &'static str,
-    /// Of this unit in one on the wire.
+    /// m or rad per unit on the wire.
     pub displacement_per_wire: f64,
-    /// N, or N m, in one on the wire.
+    /// N or N m per unit on the wire.
     pub force_per_wire: f64,
 }
 
 impl DeclaredElement {
-    /// Of a test file.
+    /// From a test file.
     ///
     /// # Errors
-    /// A test that cannot be served: without limits, with storeys or coordinates that exist in the computer only, or, where the
-    /// rig moves continuously, without time for the model.
+    /// A test that cannot be served: without limits, with storeys or coordinates that exist only in the computer, or,
+    /// where the rig moves continuously, without time for the model.
     pub fn of(test: &TestFile) -> Result<Self, Failure> {
         let coordinates = match &test.coupled {
             None => storeys(test)?,
@@ -54,7 +54,7 @@ impl DeclaredElement {
         })
     }
 
-    /// An entry of the stiffness matrix in the units of the wire.
+    /// The stiffness matrix, row by row, in the units of the wire.
     pub(super) fn stiffness_on_wire(&self) -> Vec<f64> {
         let n = self.coordinates.len();
         let entries = self.stiffness.iter().enumerate();
@@ -70,7 +70,7 @@ fn refuse<T>(what: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::input(what.into()))
 }
 
-/// Of a frame, each storey with an actuator of its own.
+/// For a frame each of whose storeys has its own actuator.
 fn storeys(test: &TestFile) -> Result<Vec<Coordinate>, Failure> {
     let c = &test.config;
     let storeys = c.degrees_of_freedom();
@@ -107,7 +107,7 @@ fn storeys(test: &TestFile) -> Result<Vec<Coordinate>, Failure> {
     Ok(vec![each; storeys])
 }
 
-/// Of two actuators on one coupler: x and the rotation of the interface.
+/// For two actuators on one coupler: x and the rotation of the interface.
 fn interface(test: &TestFile, part: &CoupledPart) -> Result<Vec<Coordinate>, Failure> {
     let (serve, limits) = (&test.serve, &part.declared.limits);
     if serve.pace == Pace::Continuous {
@@ -146,7 +146,8 @@ fn interface(test: &TestFile, part: &CoupledPart) -> Result<Vec<Coordinate>, Fai
     ])
 }
 
-/// Of what stands in the laboratory, row by row, N/m; of two actuators on one coupler N/rad, N m/m and N m/rad, too.
+/// Stiffness of the part in the laboratory, row by row, N/m; for two actuators on one coupler also N/rad, N m/m
+/// and N m/rad.
 pub fn declared_stiffness(test: &TestFile) -> Vec<f64> {
     match &test.coupled {
         None => shear_frame(&test.config.structure.stiffness_n_per_m),
@@ -154,7 +155,7 @@ pub fn declared_stiffness(test: &TestFile) -> Vec<f64> {
     }
 }
 
-/// The stiffness matrix of a shear frame, row by row, from its storeys' stiffnesses.
+/// The stiffness matrix of a shear frame, row by row, from the stiffnesses of its storeys.
 pub fn shear_frame(storeys: &[f64]) -> Vec<f64> {
     let n = storeys.len();
     let mut matrix = vec![0.0; n * n];

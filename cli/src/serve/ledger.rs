@@ -1,4 +1,4 @@
-//! What a session leaves behind.
+//! The results of a session.
 
 use experiment::bench::OnBoard;
 use experiment::numbers::three;
@@ -7,10 +7,10 @@ use outerloop_core::{EnergyWords, flag};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Figures that are formed while the rig moves.
+/// Figures accumulated while the rig moves.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
-    /// Targets that were reached.
+    /// Targets reached.
     pub targets: usize,
     /// Control steps.
     pub control_steps: usize,
@@ -22,15 +22,15 @@ pub struct Ledger {
     pub energy_ratio: f64,
     /// Sum of the added damping of the first storey over the targets, N s/m.
     pub damping_sum: f64,
-    /// How often the model was late.
+    /// How many times the model was late.
     pub late_targets: usize,
-    /// Control steps in which it was, and of these the most in a row.
+    /// Control steps in which it was late, and the longest run of them.
     pub late_steps: (usize, usize),
     late_now: usize,
 }
 
 impl Ledger {
-    /// A target was reached, m or rad: `apart` is measured less target.
+    /// Adds a reached target, m or rad: `apart` is measured less target.
     pub fn reached(&mut self, target: &[f64], apart: &[f64]) {
         self.targets += 1;
         self.followed.resize(target.len(), Followed::default());
@@ -49,14 +49,14 @@ pub struct Followed {
     targets: usize,
     /// Largest target.
     pub peak: f64,
-    /// Square sum of measured less target, at the targets.
+    /// Sum of squares of measured less target, at the targets.
     squares: f64,
-    /// The largest of it.
+    /// The largest absolute value of it.
     pub most: f64,
 }
 
 impl Followed {
-    /// Coordinates of one unit taken together.
+    /// Combines coordinates of one unit.
     pub fn together(all: &[Self]) -> Self {
         all.iter().fold(Self::default(), |sum, c| Self {
             targets: sum.targets + c.targets,
@@ -86,7 +86,7 @@ pub struct CoordinateFigures {
 }
 
 impl CoordinateFigures {
-    /// Of the coordinate `name`.
+    /// Figures of the coordinate `name`.
     pub fn of(name: String, followed: &Followed) -> Self {
         Self {
             name,
@@ -96,7 +96,7 @@ impl CoordinateFigures {
         }
     }
 
-    /// In a sentence.
+    /// In one sentence.
     pub fn sentence(&self) -> String {
         format!(
             "{}: largest target {}, off it by {} rms and {} at most.",
@@ -202,7 +202,7 @@ pub struct SessionSummary {
 }
 
 impl SessionSummary {
-    /// How it ended, in a sentence.
+    /// How it ended, in one sentence.
     pub fn ending(&self) -> String {
         match (&self.verdict, &self.reason) {
             (SessionVerdict::Completed, _) => format!("{}: completed.", self.client),

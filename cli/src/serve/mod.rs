@@ -1,22 +1,22 @@
-//! A rig as an element of somebody else's model: OpenSees solves the structure, the rig answers with the force.
+//! A rig as an element of somebody else's model: OpenSees solves the structure, the rig returns the force.
 //!
 //! ```text
 //!  OpenSees ── genericClient ── wire ── session ── Mover ── core and its rig: simulated, emulated board, board
-//!             trial displacement         which trial moves the rig; what is answered; what is refused
+//!             trial displacement         which trial moves the rig; the reply; what is refused
 //! ```
 //!
 //! | look in | for |
 //! |---|---|
-//! | `waiting_room` | who has connected and is not served yet |
+//! | `waiting_room` | clients that have connected and are not served yet |
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
-//! | `element` | what is declared of the rig, and its units on the wire |
+//! | `element` | the declaration of the rig, and its units on the wire |
 //! | `mover` | what a session requires of a rig |
-//! | `served_rig` | what a rig is, control step by control step |
+//! | `served_rig` | the rig as a session sees it, control step by control step |
 //! | `travel` | from target to target: stop and go, or continuously |
 //! | `simulated` | the rig in this process |
 //! | `board_rig` | the rig behind a board, emulated or real |
-//! | `ledger` | what a session leaves behind: figures, words, JSON |
+//! | `ledger` | the results of a session: figures, words, JSON |
 
 mod board_rig;
 mod element;

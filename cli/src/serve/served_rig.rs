@@ -1,4 +1,4 @@
-//! What a rig is to a session, control step by control step, whatever it stands in.
+//! Any rig as a session sees it, control step by control step.
 
 use super::mover::{Stop, TargetMeasurement};
 use experiment::bench::OnBoard;
@@ -6,15 +6,15 @@ use experiment::failure::Failure;
 use outerloop_core::{Event, Record};
 use plant::coupled::CoupledReading;
 
-/// A control step that has been.
+/// A past control step.
 pub struct ServedStep<const N: usize> {
     /// Its record.
     pub record: Record<N>,
     /// What was measured in it.
     pub reached: TargetMeasurement,
-    /// Of two coupled actuators on a simulated rig: what was read of it, and what is true.
+    /// For two coupled actuators on a simulated rig: the readings and the true values.
     pub coupled: Option<CoupledReading>,
-    /// Why the rig goes no further, where this was its last step.
+    /// Why the rig stopped, if this was its last step.
     pub ended: Option<Stop>,
 }
 
@@ -23,46 +23,46 @@ pub trait ServedRig<const N: usize> {
     /// Arms, and approaches zero.
     ///
     /// # Errors
-    /// A rig that refuses to arm, or that trips on the way.
+    /// A rig that refuses to arm, or that trips during the approach.
     fn begin(&mut self) -> Result<(), Failure>;
 
     /// Gives the next target, m or rad; the test starts with the first of them.
     ///
     /// # Errors
-    /// A rig that is gone.
+    /// A rig that is lost.
     fn aim(&mut self, target_m: [f32; N]) -> Result<(), Stop>;
 
-    /// The next control step; waits for it where the rig has a time of its own.
+    /// The next control step; waits for it if the rig has its own time.
     ///
     /// # Errors
-    /// A rig that is gone.
+    /// A rig that is lost.
     fn step(&mut self) -> Result<ServedStep<N>, Stop>;
 
-    /// The steps that a rig with a time of its own has made meanwhile; none of one whose time stands while nobody asks.
+    /// The steps made meanwhile by a rig with its own time; none if the rig's time advances only on request.
     ///
     /// # Errors
-    /// A rig that is gone.
+    /// A rig that is lost.
     fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop>;
 
-    /// True if it has such a time, and has to be looked after every millisecond or two.
+    /// True if it has its own time and must be serviced every millisecond or two.
     fn has_own_time(&self) -> bool;
 
-    /// An event that an observer asks for. One that is not allowed in the present mode is ignored.
+    /// An event that an observer requested. One that is not allowed in the present mode is ignored.
     ///
     /// # Errors
-    /// A rig that is gone.
+    /// A rig that is lost.
     fn request(&mut self, event: Event) -> Result<(), Stop>;
 
-    /// The force that the target of the latest solved step is answered with, N, where the rig moves continuously.
+    /// The force that answers the target of the latest solved step, N, if the rig moves continuously.
     ///
     /// # Errors
     /// It is not known.
     fn answer_n(&self) -> Result<[f32; N], Stop>;
 
-    /// Slows down to a standstill and gives the permission to move back.
+    /// Brings the rig to rest and drops PERMIT.
     ///
     /// # Errors
-    /// A rig of which that cannot be said.
+    /// A rig that cannot confirm this.
     fn end(&mut self) -> Result<(), Failure>;
 
     /// True if the rig may move: the PERMIT line.

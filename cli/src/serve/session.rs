@@ -10,9 +10,9 @@ use outerloop_core::Pace;
 use std::fmt;
 use std::time::Instant;
 
-/// Share of the stroke within which two displacements of a step are one.
+/// Share of the largest target within which two displacements of a step are the same.
 const SAME: f64 = 1e-9;
-/// By how much, as a share of it, the model's time step may differ from the loop's.
+/// Relative difference accepted between the model's time step and the loop's.
 const SAME_STEP: f64 = 1e-6;
 
 /// Why a session ended before its last message.
@@ -56,13 +56,13 @@ impl fmt::Display for Stop {
     }
 }
 
-/// A session's memory.
+/// The state of a session.
 struct Session<'a> {
     element: &'a DeclaredElement,
     rig: &'a mut dyn Mover,
-    /// What the model last wanted to try.
+    /// The trial last sent by the model.
     trial: Option<TrialResponse>,
-    /// Where the rig was last sent, and what it answered; `None` before the first.
+    /// Where the rig was last sent, and what was measured there; `None` before the first target.
     last: Option<(TrialResponse, TargetMeasurement)>,
     /// The step of the last target has been accepted.
     committed: bool,
@@ -71,11 +71,11 @@ struct Session<'a> {
     answered: Option<Instant>,
 }
 
-/// A client that has been served: what it left, and its connection, where it may still be listening.
+/// A client that has been served: its figures, and its connection if it may still be listening.
 pub struct Served {
     /// The figures.
     pub summary: SessionSummary,
-    /// Its first message came, and it was a client's.
+    /// Its first message was received and is valid.
     pub spoke: bool,
     wire: Option<ClientConnection>,
 }
@@ -84,8 +84,8 @@ pub struct Served {
 const FAREWELL_S: f64 = 3.0;
 
 impl Served {
-    /// Answers NaN to whatever the client still asks, until it leaves. OpenSees 3.7 never notices a connection that is
-    /// closed: it would wait for ever, at full load. The rig has no permission to move by now, or says nothing.
+    /// Answers NaN to every further request of the client until it leaves. OpenSees 3.7 never notices a closed
+    /// connection: it would wait forever at full load. By now the rig's PERMIT is low, or the rig does not respond.
     pub fn answer_nan_until_gone(self) {
         let Some(mut wire) = self.wire else { return };
         wire.set_timeout(FAREWELL_S);
@@ -102,7 +102,7 @@ impl Served {
     }
 }
 
-/// Serves one client with `rig` and gives the permission to move back, whatever happens.
+/// Serves one client with `rig`, and drops PERMIT whatever happens.
 pub fn serve_client(arrival: Arrival, element: &DeclaredElement, rig: &mut dyn Mover) -> Served {
     let mut session = Session {
         element,
@@ -118,7 +118,7 @@ pub fn serve_client(arrival: Arrival, element: &DeclaredElement, rig: &mut dyn M
     let (end, wire) = session.talk(arrival);
     let ended = session.rig.end();
     let listens = !matches!(end, End::Completed | End::Client(_) | End::Nonsense(_));
-    // A rig that could not be ended is worse than whatever came before.
+    // A failure to end the rig overrides any earlier reason.
     let end = match ended {
         Err(why) => Stop::Lost(why.to_string()).into(),
         Ok(()) => end,
@@ -190,14 +190,14 @@ impl Session<'_> {
                 Action::InitialStiffness | Action::TangentStiffness => {
                     wire.answer(&self.element.stiffness_on_wire())?;
                 }
-                // They are in the force that is measured.
+                // They are part of the measured force.
                 Action::Damping | Action::Mass => wire.answer(&vec![0.0; n * n])?,
                 Action::End => return Ok(()),
             }
         }
     }
 
-    /// A trial displacement, m or rad, to which the rig may move.
+    /// Checks a trial displacement and gives it in m or rad.
     fn checked(&self, mut trial: TrialResponse) -> Result<TrialResponse, End> {
         let time_s = trial.time_s;
         let places = trial.displacement.iter_mut().zip(&self.element.coordinates);
@@ -220,7 +220,7 @@ impl Session<'_> {
         Ok(trial)
     }
 
-    /// The force at the trial: by moving there, or as it was, where the rig is there already.
+    /// The force at the trial: by moving there, or as measured before if the rig is already there.
     fn move_to_trial(&mut self, wire: &mut ClientConnection) -> Result<&TargetMeasurement, End> {
         let Some(trial) = self.trial.clone() else {
             return Err(End::Refused(
@@ -264,7 +264,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// The model's time does not run backwards, and where the rig moves continuously its steps are the loop's.
+    /// Checks that the model's time does not run backwards, and that its steps are the loop's if the rig moves
+    /// continuously.
     fn check_time(&self, before_s: f64, now_s: f64) -> Result<(), End> {
         if now_s < before_s {
             return Err(End::Refused(format!(
@@ -283,7 +284,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// The figures of each coordinate, where they have names.
+    /// The figures of each coordinate that has a name.
     fn coordinate_figures(&self, ledger: &Ledger) -> Vec<CoordinateFigures> {
         let all = self.element.coordinates.iter().enumerate();
         let named = all.filter_map(|(j, c)| {
@@ -309,7 +310,7 @@ impl Session<'_> {
                 (verdict, Some(stop.to_string()), trip)
             }
         };
-        // A rig that was not moved for this client has the figures of the last one.
+        // For a rig that was not moved for this client, the ledger still has the figures of the last one.
         let ledger = match self.first {
             Some(_) => self.rig.ledger().clone(),
             None => Ledger::default(),
@@ -319,7 +320,7 @@ impl Session<'_> {
             _ => 0.0,
         };
         let targets = ledger.targets;
-        // m and rad are not mixed: of x and a rotation x alone.
+        // m and rad are not mixed: of x and a rotation only x.
         let coordinates = self.coordinate_figures(&ledger);
         let alike = if coordinates.is_empty() {
             &ledger.followed[..]
@@ -362,7 +363,7 @@ impl Session<'_> {
     }
 }
 
-/// True if the operator has stopped it.
+/// Fails if the operator has stopped the session.
 fn operator() -> Result<(), End> {
     if interrupt::asked() {
         return Err(Stop::Operator.into());

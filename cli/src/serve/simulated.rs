@@ -13,10 +13,10 @@ use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Pace, Rig, Sa
 use plant::coupled::CoupledReading;
 use std::time::{Duration, Instant};
 
-/// Idle steps before arming: the loop averages where the specimen stands.
+/// Idle steps before arming, in which the loop averages the readings at rest.
 const IDLE_STEPS: usize = 256;
-/// A gap in which this process did not run is this machine's and not the model's: the simulated clock does not make up
-/// for it. Waiting for a socket may take 8 ms, however short it is asked to be.
+/// A longer gap means that this process did not run: this is not the model's fault, so the simulated clock does not make
+/// up for it. Waiting for a socket may take 8 ms, however short a wait is requested.
 const GAP_S: f64 = 0.05;
 
 /// The simulated rig of a test file. `keep`: every step is kept.
@@ -49,13 +49,13 @@ pub fn simulated(
     })
 }
 
-/// What stands in for the laboratory.
+/// A stand-in for the laboratory.
 trait Laboratory<const N: usize> {
-    /// One control period under these commands, m.
+    /// One control period with these commands, m.
     fn period(&mut self, command_m: &[f64; N]) -> Sampled<N>;
 }
 
-/// What the loop samples of it, and what is behind that.
+/// What the loop samples, and what is behind it.
 struct Sampled<const N: usize> {
     sample: Sample<N>,
     behind: Behind<N>,
@@ -63,9 +63,9 @@ struct Sampled<const N: usize> {
 
 /// What is behind a sample.
 enum Behind<const N: usize> {
-    /// Displacement, m, and force, N, of each storey, with more digits than a sample has.
+    /// Displacement, m, and force, N, of each storey, in more digits than a sample has.
     Storeys([[f64; N]; 2]),
-    /// Two coupled actuators, whose readings are not those of x and rotation.
+    /// Two coupled actuators, whose readings are not x and rotation.
     Interface(CoupledReading),
 }
 
@@ -97,7 +97,7 @@ struct Simulated<const N: usize, R: Rig<N>, L> {
     pace: Pace,
     rate_hz: f64,
     steps: u64,
-    /// Where the pace is the wall clock's: an instant and the step that belonged to it.
+    /// If the rig keeps to the wall clock: an instant and the step that belongs to it.
     clock: Option<(Instant, u64)>,
 }
 
@@ -116,7 +116,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> Simulated<N, R, L> {
         }
     }
 
-    /// One control period, whatever the clock says.
+    /// One control period, regardless of the clock.
     fn period(&mut self) -> ServedStep<N> {
         let Sampled { sample, behind } = self.rig.period(&self.command_m);
         let step = self.outer.step(&sample, &GroundMotion::none());
@@ -126,7 +126,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> Simulated<N, R, L> {
         let mut reached = TargetMeasurement::estimated(&record);
         let coupled = match behind {
             Behind::Interface(read) => Some(read),
-            // What core takes out of a sample is taken out of the reading, which has more digits.
+            // The correction that core applied to the sample is applied to the reading, which has more digits.
             Behind::Storeys([displacement_m, force_n]) => {
                 for j in 0..N {
                     reached.displacement_m[j] +=
@@ -149,7 +149,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> Simulated<N, R, L> {
         self.outer.handle(event).map(drop).map_err(refused)
     }
 
-    /// One control period on the way to the start.
+    /// One control period during the approach to the start.
     fn approach(&mut self) -> Result<(), Failure> {
         match self.period().ended {
             Some(stop) => Err(Failure::test(stop.to_string())),
@@ -157,7 +157,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> Simulated<N, R, L> {
         }
     }
 
-    /// How many steps the wall clock is ahead.
+    /// By how many steps the wall clock is ahead.
     fn due(&mut self) -> f64 {
         let Some((began, first)) = &mut self.clock else {
             return 1.0;
@@ -195,7 +195,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> ServedRig<N> for Simulated<N, 
 
     fn aim(&mut self, target_m: [f32; N]) -> Result<(), Stop> {
         self.outer.set_next_target(target_m);
-        // The test begins with its first target: nothing is late before.
+        // The test begins with its first target, so nothing can be late before.
         if self.outer.mode() == Mode::Armed {
             let lost = |e: Failure| Stop::Lost(e.to_string());
             self.event(Event::Start).map_err(lost)?;
@@ -226,7 +226,7 @@ impl<const N: usize, R: Rig<N>, L: Laboratory<N>> ServedRig<N> for Simulated<N, 
     }
 
     fn request(&mut self, event: Event) -> Result<(), Stop> {
-        // What means nothing in this mode is refused, and nothing happens.
+        // An event that does not apply in this mode is refused, without effect.
         let _ = self.outer.handle(event);
         Ok(())
     }

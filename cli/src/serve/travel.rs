@@ -1,4 +1,4 @@
-//! How a rig is taken from target to target: stop and go, or continuously.
+//! How a rig moves from target to target: stop and go, or continuously.
 
 use super::element::declared_stiffness;
 use super::ledger::Ledger;
@@ -14,19 +14,19 @@ use experiment::trace::AnyRecord;
 use experiment::trace::{TestObserver, Trace};
 use outerloop_core::{Mode, Pace, flag};
 
-/// A rig on its way, and who looks on.
+/// A moving rig and its observers.
 pub struct Travel<const N: usize, R> {
     rig: R,
     settings: Settings,
     rate_hz: f64,
     /// A record without a step.
     nothing: Trace,
-    /// Declared, row by row.
+    /// Declared stiffness, row by row.
     stiffness: Vec<f64>,
-    /// Targets that were given, and observations that core has made: one at the start, one at each target.
+    /// Targets given, and observations that core has made: one at the start, one at each target.
     given: usize,
     observed: usize,
-    /// A client is being served: a test that ends meanwhile was stopped by a person.
+    /// A client is being served: if the test ends now, a person stopped it.
     moves: bool,
     ledger: Ledger,
     trace: Option<Trace>,
@@ -34,7 +34,7 @@ pub struct Travel<const N: usize, R> {
 }
 
 impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
-    /// With `rig`, as `test` says. `keep`: every step is kept.
+    /// With `rig` and the settings of `test`. `keep`: every step is kept.
     pub fn new(rig: R, test: &TestFile, keep: bool, scope: Option<Scope>) -> Self {
         let rate_hz = test.config.timing.rate_hz;
         Self {
@@ -61,7 +61,7 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
         Ok(seen)
     }
 
-    /// Counts a step and shows it.
+    /// Counts a step and shows it to the observers.
     fn observe_step(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
         let record = &AnyRecord {
             coupled: seen.coupled.as_ref(),
@@ -87,12 +87,12 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
             .map_or(Ok(()), |event| self.rig.request(event))
     }
 
-    /// Stands at the target for a while, then means over the next steps.
+    /// Waits at the target until the rig has settled, then averages over the next steps.
     fn stand(&mut self, target_m: [f32; N]) -> Result<TargetMeasurement, Stop> {
         let in_steps = |ms: f64| (ms * 1e-3 * self.rate_hz).round() as usize;
         let settle = in_steps(self.settings.settle_ms);
         let average = in_steps(self.settings.average_ms).max(1);
-        // A step whose sample was taken with the command at the target.
+        // Waits for a step whose sample was taken with the command at the target.
         let mut now = self.step()?;
         while now.record.command_m != target_m || !now.record.mode().is_some_and(Mode::integrates) {
             if now.record.command_m.iter().any(|m| m.is_nan()) {
@@ -122,11 +122,11 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
         Ok(mean)
     }
 
-    /// Until the sample at the target has been taken.
+    /// Waits until the sample at the target has been taken.
     fn pass(&mut self) -> Result<TargetMeasurement, Stop> {
         loop {
             let mut seen = self.step()?;
-            // Where a step was lost, it may have been the one that is waited for.
+            // A lost step may have been the awaited one.
             let answer_n = self.rig.answer_n()?;
             if self.observed > self.given {
                 seen.reached.force_n = answer_n.map(f64::from).to_vec();
@@ -169,7 +169,7 @@ impl<const N: usize, R: ServedRig<N>> Mover for Travel<N, R> {
             self.observe_step(&seen)?;
         }
         self.take_scope_request()?;
-        // Where the rig stands, its time stands, too; but for somebody who looks on.
+        // The rig's time stands still between targets, unless somebody watches it.
         if !self.rig.has_own_time() && self.scope.is_some() && self.moves {
             self.step()?;
         }

@@ -1,4 +1,5 @@
-//! Who has connected and is not served yet: whoever speaks first is served first, and who never speaks holds nobody up.
+//! Clients that have connected but are not served yet. The first one to send a message is served first; a silent one
+//! blocks nobody.
 
 use super::wire::{FIRST_MESSAGE, waits};
 use std::collections::VecDeque;
@@ -6,22 +7,22 @@ use std::io::Error;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// So many wait here; the others wait where the system keeps them.
+/// At most this many wait here; the operating system queues the others.
 const SEATS: usize = 64;
 
-/// Somebody who has connected.
+/// A client that has connected.
 #[derive(Debug)]
 pub struct Arrival {
     /// The connection.
     pub stream: TcpStream,
-    /// Whose it is.
+    /// Its address.
     pub client: SocketAddr,
     /// When it was accepted.
     pub at: Instant,
 }
 
 impl Arrival {
-    /// The first message is here, or the connection has ended.
+    /// True if the first message is complete, or the connection has ended.
     fn speaks(&self) -> bool {
         match self.stream.peek(&mut [0; FIRST_MESSAGE]) {
             Ok(count) => count == 0 || count == FIRST_MESSAGE,
@@ -30,7 +31,7 @@ impl Arrival {
     }
 }
 
-/// A door and those behind it.
+/// The listener and the waiting clients.
 #[derive(Debug)]
 pub struct WaitingRoom {
     listener: TcpListener,
@@ -39,10 +40,10 @@ pub struct WaitingRoom {
 }
 
 impl WaitingRoom {
-    /// Lets in who connects at `listener`; the first message may take `timeout`.
+    /// Accepts clients at `listener`; the first message may take up to `timeout`.
     ///
     /// # Errors
-    /// A listener that cannot be asked without waiting.
+    /// A listener that cannot be made non-blocking.
     pub fn new(listener: TcpListener, timeout: Duration) -> Result<Self, Error> {
         listener.set_nonblocking(true)?;
         Ok(Self {
@@ -52,7 +53,8 @@ impl WaitingRoom {
         })
     }
 
-    /// The next one to serve: the first who speaks, else one who has been silent for too long. `None`: nobody yet.
+    /// The next client to serve: the first that has sent its message, else one that has been silent too long. `None`:
+    /// nobody yet.
     ///
     /// # Errors
     /// The network is lost.

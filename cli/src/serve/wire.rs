@@ -1,5 +1,5 @@
-//! What OpenSees' element `genericClient` sends and receives: TCP, doubles and 32-bit integers of the sender's order (little
-//! endian on every machine that it is built for). Seen on the wire of OpenSeesPy 3.7; the source is
+//! What OpenSees' element `genericClient` sends and receives: TCP, doubles and 32-bit integers in the sender's byte order
+//! (little endian on every machine that it is built for). Observed with OpenSeesPy 3.7; the source is
 //! `SRC/element/generic/GenericClient.cpp` and `SRC/actor/channel/TCP_Socket.cpp` of OpenSees.
 //!
 //! 1. Eleven integers: sizes of what it controls (displacement, velocity, acceleration, force, time), sizes of what it
@@ -17,25 +17,25 @@ use std::time::{Duration, Instant};
 const HEADER: usize = 11;
 /// The first message, bytes.
 pub const FIRST_MESSAGE: usize = 4 * HEADER;
-/// The longest message, doubles: its default is 256.
+/// The longest accepted message, doubles: the client's default is 256.
 const LONGEST: i32 = 65_536;
 
-/// What a message asks for.
+/// What a message requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// The response of a trial follows; no answer.
+    /// The response of a trial follows; no reply.
     Trial,
-    /// The step is accepted; no answer.
+    /// The step is accepted; no reply.
     Commit,
-    /// The displacement that was reached.
+    /// The displacement reached.
     Displacement,
     /// The force at the trial.
     Force,
     /// The time of the trial.
     Time,
-    /// The stiffness at rest.
+    /// The initial stiffness.
     InitialStiffness,
-    /// The stiffness now.
+    /// The tangent stiffness.
     TangentStiffness,
     /// The damping matrix.
     Damping,
@@ -46,12 +46,12 @@ pub enum Action {
 }
 
 impl Action {
-    /// True if the client waits for an answer to it.
+    /// True if the client waits for a reply.
     fn is_answered(self) -> bool {
         !matches!(self, Self::Trial | Self::Commit | Self::End)
     }
 
-    /// From its number on the wire.
+    /// From the number on the wire.
     fn of(number: f64) -> Option<Self> {
         Some(match number {
             3.0 => Self::Trial,
@@ -72,9 +72,9 @@ impl Action {
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClientMessage {
-    /// What it asks for.
+    /// What it requests.
     pub action: Action,
-    /// The trial, where it is one.
+    /// The trial response, if it is one.
     pub trial: Option<TrialResponse>,
 }
 
@@ -87,18 +87,18 @@ pub struct TrialResponse {
     pub time_s: f64,
 }
 
-/// Why nothing more comes from a client.
+/// Why a client sends nothing more.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClientGone {
-    /// It closed the connection; so many bytes of a message had come.
+    /// It closed the connection, after this many bytes of a message.
     Closed(usize),
     /// The connection broke.
     Broken(String),
-    /// It was silent for longer than so many seconds; so many bytes of a message had come.
+    /// It was silent for more than this many seconds, after this many bytes of a message.
     Silent(f64, usize),
-    /// It connected, and so many seconds later its first message was not there.
+    /// It connected but did not send its first message within this many seconds.
     Speechless(f64),
-    /// It said what cannot be understood.
+    /// It sent something that cannot be understood.
     Nonsense(String),
 }
 
@@ -130,12 +130,12 @@ impl fmt::Display for ClientGone {
     }
 }
 
-/// The sizes that a client has named.
+/// The sizes that a client has announced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Sizes {
-    /// Doubles before the displacement: the action.
+    /// Displacements in a message; they follow the action.
     axes: usize,
-    /// Place of the time.
+    /// Index of the time.
     time: usize,
     /// Doubles of a message.
     message: usize,
@@ -189,28 +189,28 @@ pub struct ClientConnection {
     filled: usize,
     heard: Instant,
     timeout: Duration,
-    /// The client waits for an answer.
+    /// The client waits for a reply.
     owes: bool,
 }
 
-/// How long a read waits before the rig is looked after.
+/// How long a read waits before the rig is serviced.
 const SHORT_WAIT: Duration = Duration::from_millis(1);
-/// How long a read waits where the rig needs nobody.
+/// How long a read waits if the rig needs no servicing.
 const REST: Duration = Duration::from_millis(50);
-/// How long the first message may take, s.
+/// Longest time for the first message, s.
 const FIRST_MESSAGE_S: f64 = 5.0;
 
-/// How long the first message of a client may take that may be silent for `timeout_s` later, s.
+/// Longest time for the first message of a client that may later be silent for `timeout_s`, s.
 pub fn first_message_s(timeout_s: f64) -> f64 {
     FIRST_MESSAGE_S.min(timeout_s)
 }
 
 impl ClientConnection {
-    /// Takes a connection that was accepted `at` a time and receives its first message. `meanwhile` is called while nothing
-    /// comes.
+    /// Takes a connection that was accepted at the time `at`, and receives its first message. `meanwhile` is called while
+    /// nothing comes.
     ///
     /// # Errors
-    /// Why there is none.
+    /// Why there is no message.
     pub fn open<E: From<ClientGone>>(
         (stream, at): (TcpStream, Instant),
         axes: usize,
@@ -234,7 +234,7 @@ impl ClientConnection {
             owes: false,
         };
         let first_s = first_message_s(timeout_s);
-        // Of the whole message: byte by byte it takes no longer.
+        // The limit is for the whole message, even if it comes byte by byte.
         while !wire.receive()? {
             if at.elapsed().as_secs_f64() > first_s {
                 return Err(ClientGone::Speechless(first_s).into());
@@ -252,7 +252,7 @@ impl ClientConnection {
         Ok(wire)
     }
 
-    /// True if the rig has to be looked after while the client is waited for.
+    /// Sets how long a read waits; `often`: the rig must be serviced while waiting.
     ///
     /// # Errors
     /// The connection is broken.
@@ -263,7 +263,7 @@ impl ClientConnection {
             .map_err(|e| ClientGone::Broken(e.to_string()))
     }
 
-    /// The next message; `None` if it has not come yet.
+    /// The next message; `None` if it is not complete yet.
     ///
     /// # Errors
     /// Why none will come.
@@ -291,7 +291,7 @@ impl ClientConnection {
         Ok(Some(ClientMessage { action, trial }))
     }
 
-    /// Answers with `values`, the rest of the message zero.
+    /// Replies with `values`; the rest of the message is zero.
     ///
     /// # Errors
     /// The connection is broken.
@@ -301,19 +301,19 @@ impl ClientConnection {
         for (place, value) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(values) {
             *place = value.to_le_bytes();
         }
-        // Silence is counted from the answer on: the rig may have taken longer than the client may.
+        // Silence is counted from the reply on: the rig may have taken longer than the client may.
         self.heard = Instant::now();
         self.stream
             .write_all(&bytes)
             .map_err(|e| ClientGone::Broken(e.to_string()))
     }
 
-    /// True if the client waits for an answer.
+    /// True if the client waits for a reply.
     pub fn owes_an_answer(&self) -> bool {
         self.owes
     }
 
-    /// Answers with a message full of NaN.
+    /// Replies with a message full of NaN.
     ///
     /// # Errors
     /// The connection is broken.
@@ -327,10 +327,10 @@ impl ClientConnection {
         self.timeout = Duration::from_secs_f64(seconds);
     }
 
-    /// True if a message is whole.
+    /// True if a message is complete.
     fn receive(&mut self) -> Result<bool, ClientGone> {
-        // Client and kernel wait for each other without it: 45 ms a step. It holds for one read only, and where it does
-        // not exist nothing is lost but speed.
+        // Without this, client and kernel wait for each other, 45 ms a step. It holds for one read only; where it does
+        // not exist only speed is lost.
         #[cfg(target_os = "linux")]
         let _ = SockRef::from(&self.stream).set_tcp_quickack(true);
         match self.stream.read(&mut self.bytes[self.filled..]) {
@@ -352,7 +352,7 @@ impl ClientConnection {
     }
 }
 
-/// True if what failed may do later.
+/// True if a later attempt may succeed.
 pub(super) fn waits(kind: ErrorKind) -> bool {
     matches!(
         kind,

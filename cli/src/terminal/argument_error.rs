@@ -1,10 +1,10 @@
-//! What is wrong with a command line, in one sentence: what, which value, what would be accepted.
+//! The error in a command line, in one sentence: what, which value, what would be accepted.
 
 use clap::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use experiment::nearest::nearest;
 
-/// The sentence; `None` for what is no mistake, such as `--help`. `verbs` are all there are.
+/// The sentence; `None` for requests that are no error, such as `--help`. `verbs` are all verbs.
 pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
     let context = ErrorContext(error);
     let argument = context.text(ContextKind::InvalidArg);
@@ -21,12 +21,12 @@ pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
             };
             match value.is_empty() {
                 true => format!("{argument} has no value: accepted are {accepted}"),
-                // The nearest of them is added to every refusal of a name.
+                // The nearest name is added to every refusal of a name.
                 false => format!("{argument}: `{value}` is unknown: accepted are {accepted}"),
             }
         }
         ErrorKind::ValueValidation => match std::error::Error::source(error) {
-            // A sentence of our own says the value, what is wrong with it, and what would do.
+            // A sentence of our own states the value, the error and what is accepted.
             Some(own) if own.to_string().starts_with('`') => format!("{argument} {own}"),
             _ => format!(
                 "{argument}: `{value}` is refused: accepted are {}",
@@ -64,7 +64,7 @@ pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
     })
 }
 
-/// The verb that may have been meant, first of those that go on where the line had come to, then of all: the last word of
+/// The verb that may have been meant, searched first among those that continue the line, then among all: the last word of
 /// each is compared.
 fn meant_verb<'a>(typed: &str, verbs: &'a [String], usage: &str) -> &'a str {
     let words = usage.trim_matches('`').split(' ').skip(1);
@@ -82,7 +82,7 @@ fn meant_verb<'a>(typed: &str, verbs: &'a [String], usage: &str) -> &'a str {
     meant.map_or("", String::as_str)
 }
 
-/// A name that may have been meant.
+/// A suggested name, as a question.
 fn in_question(name: &str) -> String {
     match name.is_empty() {
         true => String::new(),
@@ -103,7 +103,7 @@ impl ErrorContext<'_> {
         }
     }
 
-    /// How the verb is called.
+    /// The usage of the verb.
     fn usage(&self) -> String {
         let text = self.text(ContextKind::Usage);
         let words: Vec<&str> = text.split_whitespace().collect();
@@ -114,7 +114,7 @@ impl ErrorContext<'_> {
         }
     }
 
-    /// What a value must be.
+    /// The accepted values.
     fn accepted(&self) -> String {
         let why = std::error::Error::source(self.0).map(ToString::to_string);
         let why = why.unwrap_or_default();

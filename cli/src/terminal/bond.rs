@@ -1,11 +1,11 @@
-//! A number and its unit stay on one line.
+//! Keeps a number and its unit on one line.
 
-/// What stands between the two while a text is broken into lines: a blank at which nothing breaks.
+/// Joins the two while a text is broken into lines: a space at which no line breaks.
 const BOND: char = '\u{a0}';
-/// Letters of a unit, such as `N/(m/s)^0.5`.
+/// Longest unit, characters, such as `N/(m/s)^0.5`.
 const LONGEST_UNIT: usize = 12;
 
-/// The text with each short word behind a number bound to it.
+/// Joins each short word after a number to that number.
 pub fn bound(text: &str) -> String {
     let numeric = |word: &str| {
         word.trim_start_matches(['-', '+', '('])
@@ -31,7 +31,7 @@ pub fn bound(text: &str) -> String {
     bound
 }
 
-/// The text with its bonds blanks again.
+/// Turns the joins back into spaces.
 pub fn loosened(text: &str) -> String {
     text.replace(BOND, " ")
 }

@@ -1,5 +1,5 @@
-//! Ctrl-C, SIGTERM (`kill`, a service that is stopped) and SIGHUP (a terminal that is closed) end work early: a rig that moves
-//! is brought to rest on the deceleration ramp, and what is done is kept.
+//! Ctrl-C, SIGTERM (`kill`, a service that is stopped) and SIGHUP (a terminal that is closed) end work early: a moving
+//! rig is brought to rest on the deceleration ramp, and completed work is kept.
 
 use experiment::trace::{AnyRecord, TestObserver};
 use outerloop_core::Event;
@@ -12,15 +12,15 @@ static WORK: AtomicU8 = AtomicU8::new(TESTS);
 static CAUGHT: Once = Once::new();
 static FIRST: OnceLock<Instant> = OnceLock::new();
 
-/// What a signal ends: tests that are run one after another, one whose rig does not move yet, a rig that moves.
+/// What a signal ends: a series of tests, a test whose rig does not move yet, a moving rig.
 const TESTS: u8 = 0;
 const BEFORE_ARMING: u8 = 1;
 const RIG: u8 = 2;
 
-/// Signals that come together are one wish: a closed terminal is told by the shell and by the system.
+/// Signals this close together count as one: the shell and the system both report a closed terminal.
 const TOGETHER: Duration = Duration::from_secs(1);
 
-/// From now on the first signal lets the work end early, and a later one ends the program.
+/// From now on the first signal ends the work early, and a later one ends the program.
 pub fn watch() {
     CAUGHT.call_once(|| {
         if let Err(e) = ctrlc::set_handler(asked_again) {
@@ -29,14 +29,15 @@ pub fn watch() {
     });
 }
 
-/// The same where a rig moves.
+/// The same while a rig moves.
 pub fn watch_rig() {
     WORK.store(RIG, SeqCst);
     watch();
 }
 
-/// Until [`watch_rig`] a signal ends the program at once and says that nothing has moved: an image is built, a board is looked
-/// for, a ground motion is sent to it. Of several tests the others are kept: where signals are watched already, this does nothing.
+/// Until [`watch_rig`] is called, a signal ends the program at once and reports that nothing has moved: an image is being
+/// built, a board searched for, a ground motion sent. Does nothing if signals are already watched, so that in a series
+/// the completed tests are kept.
 pub fn watch_before_arming() {
     if !CAUGHT.is_completed() {
         WORK.store(BEFORE_ARMING, SeqCst);
@@ -68,12 +69,12 @@ fn asked_again() {
     }
 }
 
-/// True if the work is to end early.
+/// True if the work should end early.
 pub fn asked() -> bool {
     ASKED.load(SeqCst)
 }
 
-/// An observer that stops a simulated test then.
+/// An observer that then stops a simulated test.
 #[derive(Clone, Copy, Debug)]
 pub struct StopBySignal;
 

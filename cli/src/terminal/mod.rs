@@ -1,4 +1,4 @@
-//! What a terminal alone has: progress, interruption, lines as wide as it is.
+//! The terminal: progress, interruption, lines of its width.
 
 pub mod argument_error;
 pub mod bond;

@@ -1,7 +1,7 @@
-//! Standard output that may fail: a full disk or a closed pipe is one sentence at the end, never a panic.
+//! Standard output that may fail: a full disk or a closed pipe gives one sentence at the end, never a panic.
 //!
-//! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
-//! [`finish`] returns it when the verb has finished.
+//! A full disk under its log must not end a test that moves a rig. So what cannot be printed is dropped, and [`finish`]
+//! returns the error when the verb has finished.
 
 use super::bond::{bound, loosened};
 use experiment::failure::Failure;
@@ -11,43 +11,43 @@ use std::io::{Write, stderr, stdout};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Why standard output could not be written, the first time.
+/// The first error of standard output.
 static BROKEN: OnceLock<String> = OnceLock::new();
 
 /// Tables, sentences and progress are switched off.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on prints only what was asked for by name, and errors.
+/// From now on prints only what was requested by name, and errors.
 pub fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Tables, sentences and progress are switched off.
+/// True if tables, sentences and progress are switched off.
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Columns of the terminal on standard output; those that `COLUMNS` says where it is none.
+/// Columns of the terminal on standard output; without a terminal, those in `COLUMNS`.
 pub fn columns() -> Option<u16> {
     let terminal = terminal_size::terminal_size_of(stdout()).map(|(width, _)| width.0);
     let said = || std::env::var("COLUMNS").ok()?.parse().ok();
     terminal.or_else(said).filter(|columns| *columns > 0)
 }
 
-/// Columns of a page where there is no terminal.
+/// Columns of a page without a terminal.
 const PAGE: u16 = 100;
 
-/// Columns of text that is read where it is printed or piped to: those of the terminal, else of a page.
+/// Columns of text for reading, printed or piped: those of the terminal, else of a page.
 pub fn page_columns() -> u16 {
     columns().unwrap_or(PAGE)
 }
 
-/// Text that is read, broken between words also where there is no terminal.
+/// Text for reading, broken between words even without a terminal.
 pub fn for_reading(text: &str) -> String {
     wrapped(text, page_columns().into())
 }
 
-/// Where the text begins whose rest goes below it: behind a label and a gap, else where the line begins, columns.
+/// Column at which the following lines of a text begin: after a label and a gap, else where the line begins.
 fn hanging(line: &str, columns: usize) -> usize {
     let start = line.len() - line.trim_start_matches(' ').len();
     let gap = line[start..].find("  ").map(|at| start + at);
@@ -56,7 +56,7 @@ fn hanging(line: &str, columns: usize) -> usize {
     behind.filter(|at| 2 * at <= columns).unwrap_or(start)
 }
 
-/// Lines that are longer than the terminal, broken between words; the rest of a sentence goes below its start.
+/// Breaks lines longer than the terminal between words; the rest of a sentence is aligned below its start.
 fn wrapped(text: &str, columns: usize) -> String {
     let fits = |line: &str| textwrap::core::display_width(line) <= columns;
     let lines = text.split('\n').map(|line| {
@@ -67,7 +67,7 @@ fn wrapped(text: &str, columns: usize) -> String {
         let indent = &line[..line.len() - sentence.len()];
         let sentence = bound(sentence);
         let below = " ".repeat(hanging(line, columns));
-        // A path or a command that is longer than the line stays whole, so that it can be copied.
+        // A path or a command longer than the line stays whole, so that it can be copied.
         let options = textwrap::Options::new(columns)
             .initial_indent(indent)
             .subsequent_indent(&below)
@@ -79,7 +79,7 @@ fn wrapped(text: &str, columns: usize) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// What `println!` is in this crate.
+/// The `println!` of this crate.
 pub fn print_line(text: Arguments<'_>) {
     if is_quiet() {
         return;
@@ -95,7 +95,7 @@ pub fn print_line(text: Arguments<'_>) {
     }
 }
 
-/// A line on standard error; dropped where that cannot be written, since nobody is left to read it.
+/// A line on standard error; dropped if that cannot be written, since nobody could read it.
 pub fn print_note(text: Arguments<'_>) {
     let mut out = stderr().lock();
     let text = match terminal_size::terminal_size_of(&out) {
@@ -105,7 +105,7 @@ pub fn print_note(text: Arguments<'_>) {
     let _ = out.write_all((text + "\n").as_bytes());
 }
 
-/// What `answer!` is in this crate.
+/// The `answer!` of this crate.
 pub fn print_answer(text: Arguments<'_>) {
     if BROKEN.get().is_some() {
         return;
@@ -116,10 +116,10 @@ pub fn print_answer(text: Arguments<'_>) {
     }
 }
 
-/// What standard output could not take, once everything is said.
+/// Flushes standard output, and reports the first error in writing it.
 ///
 /// # Errors
-/// A standard output that cannot be written.
+/// Standard output could not be written.
 pub fn finish() -> Result<(), Failure> {
     if let Err(e) = stdout().flush() {
         let _ = BROKEN.set(plain::reason(&e));
@@ -147,12 +147,12 @@ mod tests {
             wrapped("an error of 12.5 %, rms", 18),
             "an error of\n12.5 %, rms"
         );
-        // A label keeps its column to itself.
+        // A label keeps its own column.
         assert_eq!(
             wrapped("gain   of the valve, 1/s", 18),
             "gain   of the\n       valve, 1/s"
         );
-        // A blank line and what fits stay as they are.
+        // A blank line, and a line that fits, stay as they are.
         assert_eq!(wrapped("a  b\n\n", 4), "a  b\n\n");
     }
 }

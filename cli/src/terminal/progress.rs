@@ -1,4 +1,4 @@
-//! What is shown while one waits.
+//! Progress shown while waiting.
 
 use super::output;
 use experiment::trace::{AnyRecord, TestObserver};
@@ -6,12 +6,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Steps between two looks at the clock.
+/// Steps between two checks of the clock.
 const STEPS_A_TELL: u64 = 1 << 14;
-/// Work that is over by then shows no bar.
+/// Work that is done by then shows no bar.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A bar on standard error for work that takes longer than a second, where somebody looks at a terminal.
+/// A bar on standard error for work that takes longer than a second; only on a terminal.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
@@ -33,7 +33,7 @@ impl Progress {
         }
     }
 
-    /// Tells of `steps` more.
+    /// Reports `steps` more.
     pub fn add(&self, steps: u64) {
         self.bar.inc(steps);
         if let Ok(mut began) = self.began.lock()
@@ -41,12 +41,12 @@ impl Progress {
             && !output::is_quiet()
         {
             *began = None;
-            // indicatif itself stays silent where standard error is no terminal.
+            // indicatif itself stays silent if standard error is no terminal.
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
     }
 
-    /// The observer that counts a test's steps.
+    /// An observer that counts the steps of a test.
     pub fn observer(&self) -> Steps<'_> {
         Steps {
             progress: self,
@@ -61,7 +61,7 @@ impl Drop for Progress {
     }
 }
 
-/// Does work of unknown length; beyond a second a spinner says what is being done, where somebody looks at a terminal.
+/// Does work of unknown length; after a second a spinner says what is being done, only on a terminal.
 pub fn while_waiting<T>(what: &str, work: impl FnOnce() -> T) -> T {
     if output::is_quiet() {
         return work();

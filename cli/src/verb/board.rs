@@ -1,4 +1,4 @@
-//! `outerloop board`: what a person asks of a board at a serial port.
+//! `outerloop board`: commands from a person to a board at a serial port.
 
 mod commission;
 mod desk;
@@ -41,7 +41,7 @@ enum Order {
 }
 
 impl Board {
-    /// Carries the order out.
+    /// Carries out the command.
     ///
     /// # Errors
     /// A port that cannot be opened; a board that is silent, of another version, or refuses.
@@ -90,7 +90,7 @@ fn connect(device: &str) -> Result<Connection<Serial>, Failure> {
 }
 
 impl Plain {
-    /// Hands over what the board answers.
+    /// Hands over the board's reply.
     fn run<T: Serialize>(
         &self,
         ask: impl FnOnce(&mut Connection<Serial>) -> Result<(T, Document), Failure>,
@@ -126,7 +126,7 @@ struct Calibrate {
     save: bool,
 }
 
-/// A channel and what it reads now.
+/// A channel, and the value that its present reading is to have.
 #[derive(Clone, Copy, Debug)]
 struct Zero {
     channel: Channel,
@@ -196,7 +196,7 @@ impl Calibrate {
 }
 
 impl Calibrate {
-    /// The actuator, from 1, of a board with so many.
+    /// The chosen actuator, from 1, of a board with this many.
     fn number(&self, actuators: usize) -> Result<u8, Failure> {
         match self.actuator {
             Some(number) if usize::from(number) > actuators => Err(Failure::input(format!(
@@ -213,7 +213,7 @@ impl Calibrate {
         self.file.is_some() || !self.zero.is_empty()
     }
 
-    /// What a person has to know of a calibration that the next reset takes back.
+    /// A note for a person whose calibration would be lost at the next reset.
     fn not_kept(&self) -> Option<&'static str> {
         (self.changes() && !self.save).then_some(
             "the board goes by this until its next reset, and then by what was saved before: --save keeps it, and              board.calibration = \"NUMBER\" in a test refuses any other",

@@ -1,4 +1,4 @@
-//! `outerloop check`: whether a test may be run, before it is.
+//! `outerloop check`: whether a test may be run.
 
 use super::coupled::CoupledCheckRequest;
 use super::{MethodName, MotionArguments, hand_over_found};
@@ -64,10 +64,10 @@ pub struct Check {
 }
 
 impl Check {
-    /// Answers.
+    /// Checks the test.
     ///
     /// # Errors
-    /// Bad input; a test that cannot be stable.
+    /// Bad input; a test that is doubtful or unstable.
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "check.json"])?;
         let out = out.as_deref();
@@ -144,7 +144,7 @@ impl Check {
     }
 }
 
-/// The verdict, and what would be better.
+/// The verdict, with better alternatives.
 fn judge(
     experiment: &Experiment,
     spread: &Spread,
@@ -162,7 +162,7 @@ fn judge(
     Ok(judgement)
 }
 
-/// What is said; for a page the planned motion runs again, with every step kept.
+/// The result; for a page the planned motion runs again, with every step kept.
 fn document(
     experiment: &Experiment,
     whole: &CheckAnswer<'_>,

@@ -101,7 +101,7 @@ impl Compare {
             },
         )?;
         require_all_ran(rows.len(), asked)?;
-        // A row that ran away is what a comparison is for; one without any usable row is not.
+        // Comparisons exist to show rows that ran away; but at least one row must be usable.
         if rows.iter().all(|r| r.validity() == Validity::Bad) {
             return Err(Failure::test(
                 "no compensation gave the structure's response in this test",
@@ -110,7 +110,7 @@ impl Compare {
         Ok(())
     }
 
-    /// The test on each ground motion.
+    /// The test with each ground motion.
     fn experiments(&self, test: &TestFile) -> Result<Vec<Experiment>, Failure> {
         each_record(&self.record)
             .into_iter()

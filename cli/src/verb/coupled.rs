@@ -1,4 +1,4 @@
-//! `check` of a test of two coupled actuators, and what no verb does with one.
+//! `check` for a test of two coupled actuators, and options that no verb accepts for one.
 
 use super::{hand_over, json, no_files};
 use crate::answer::of_coupled_check;
@@ -12,10 +12,10 @@ use experiment::files::test::TestFile;
 use experiment::stability::perturbed::Spread;
 use std::path::Path;
 
-/// That nothing was asked for that such a test does not have.
+/// Refuses options that do not apply to such a test.
 ///
 /// # Errors
-/// The first that was.
+/// The first of them that was given.
 pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
     match asked.iter().find(|(_, given)| *given) {
         None => Ok(()),
@@ -26,21 +26,21 @@ pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
     }
 }
 
-/// What is asked of a check.
+/// The request for a check.
 pub(super) struct CoupledCheckRequest<'a> {
     /// The ground motion.
     pub shaking: GroundMotionFile,
-    /// The compensation, instead of the file's.
+    /// The compensation, instead of that of the file.
     pub compensation: Option<&'a str>,
-    /// How rigs differ.
+    /// The spread of the rigs.
     pub spread: Spread,
-    /// Where results go.
+    /// Where results are written.
     pub out: Option<&'a Path>,
-    /// JSON alone.
+    /// Only JSON on standard output.
     pub json: bool,
 }
 
-/// True if the test may be run.
+/// Checks whether the test may be run.
 ///
 /// # Errors
 /// Bad input; a test that may not be run.

@@ -22,14 +22,14 @@ pub struct Demo {
     out: PathBuf,
 }
 
-/// The test of Table 1, as the examples have it.
+/// The test of Table 1, as in the examples.
 const TEST: &str = include_str!("../../../examples/table1.toml");
 const SEED: u64 = 1;
 
-/// The test whose rig has something undeclared in it, as the examples have it.
+/// The test whose rig has something undeclared, as in the examples.
 const UNDECLARED: &str = include_str!("../../../examples/undeclared/inertia.toml");
 
-/// A test, the diagnosis of its record, and the test after it.
+/// A test, the diagnosis of its record, and the improved test.
 fn undeclared() -> Result<Improvement, Failure> {
     let file = "examples/undeclared/inertia.toml";
     let test = TestFile::parse(UNDECLARED, file, Path::new(""), &[])?;

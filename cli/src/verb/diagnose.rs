@@ -1,4 +1,4 @@
-//! `outerloop diagnose`: what the declared model lacks to explain what was measured.
+//! `outerloop diagnose`: what the declared model lacks to explain a measurement.
 
 mod coupled;
 mod dial;
@@ -68,7 +68,7 @@ pub struct Diagnose {
 }
 
 impl Diagnose {
-    /// Diagnoses.
+    /// Diagnoses the records.
     ///
     /// # Errors
     /// Data or a model that cannot be judged.
@@ -134,7 +134,7 @@ impl Diagnose {
         self.answer(&declared, &diagnosis, (next.as_ref(), &beside), out)
     }
 
-    /// Writes and says what was found.
+    /// Writes and prints the result.
     fn answer(
         &self,
         declared: &Model,
@@ -228,7 +228,7 @@ pub(crate) struct Designed<'a> {
     design: &'a Next,
 }
 
-/// Puts the corrections without a name into the model that is saved.
+/// Adds the corrections without a name to the model that is saved.
 fn with_remainder(diagnosis: &mut Diagnosis) {
     let Diagnosis {
         channels, improved, ..
@@ -261,7 +261,7 @@ fn with_remainder(diagnosis: &mut Diagnosis) {
     }
 }
 
-/// What a saved model is, truthfully.
+/// An accurate name for a saved model.
 fn saved(diagnosis: &Diagnosis) -> &'static str {
     let channels = || diagnosis.channels.iter();
     if channels().any(|c| c.error_with_remainder.is_some()) {

@@ -1,4 +1,4 @@
-//! `outerloop diff`: two tests that ran, side by side.
+//! `outerloop diff`: two completed tests, side by side.
 
 use super::hand_over_found;
 use crate::answer::of_difference;
@@ -28,7 +28,7 @@ pub struct Diff {
 }
 
 impl Diff {
-    /// Of two tests, with nothing that they have to keep.
+    /// Compares two tests, without a limit on their difference.
     pub(super) fn of([first, second]: [PathBuf; 2], out: Option<PathBuf>, json: bool) -> Self {
         Self {
             first,
@@ -39,10 +39,10 @@ impl Diff {
         }
     }
 
-    /// Compares.
+    /// Compares the tests.
     ///
     /// # Errors
-    /// No archive; tests of structures with other floors; motions further apart than `--within`.
+    /// A file that is no archive; tests with different numbers of floors; motions further apart than `--within`.
     pub fn run(&self) -> Result<(), Failure> {
         let names = ["report.html", "difference.json"];
         let out = look_ahead::folder(self.out.as_deref(), &names)?;

@@ -1,4 +1,4 @@
-//! `outerloop effects`: every effect by the name that files and answers use.
+//! `outerloop effects`: every effect with its name in files and results.
 
 use super::{hand_over, json, no_files};
 use crate::document::{Document, table};

@@ -1,9 +1,9 @@
-//! What `--help` lists beside the options: every compensation and every effect, a line each.
+//! The lists in `--help` besides the options: every compensation and every effect, one per line.
 
 use outerloop_core::Method;
 use plant::effect::catalogue;
 
-/// The compensations, from the one list that `core` makes its methods from.
+/// The compensations, from the list in `core` that defines the methods.
 pub fn compensations() -> String {
     let mut lines = vec![
         "Compensations, for --compensation and compensation.kind; force law and predictor may be joined, as tangent+ats:"
@@ -15,7 +15,7 @@ pub fn compensations() -> String {
     lines.join("\n")
 }
 
-/// The effects that a diagnosis names and a simulated rig can have.
+/// The effects that a diagnosis can name and a simulated rig can have.
 pub fn effects() -> String {
     let mut lines = vec!["Effects, for plant.effects and as a diagnosis names them; `outerloop effects` lists their parameters:".to_owned()];
     for e in catalogue() {

@@ -38,7 +38,7 @@ pub struct Identify {
 }
 
 impl Identify {
-    /// Identifies.
+    /// Identifies the actuator.
     ///
     /// # Errors
     /// A record or a test file that cannot be used.
@@ -47,7 +47,7 @@ impl Identify {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "response.json"])?;
         let read = || RecordFiles::with(&self.columns).longest(&self.record);
         let recording = terminal::while_waiting("reading the record", read)?;
-        // What speaks against the whole fit is said once, at the end.
+        // An objection to the whole fit is reported once, at the end.
         let asked = recording.odd_rate();
         let remarks = recording.remarks.iter();
         for remark in remarks.filter(|remark| Some(*remark) != asked.as_ref()) {
@@ -105,7 +105,7 @@ pub(crate) struct IdentifiedOverFrequency {
     response: Option<FrequencyResponse>,
 }
 
-/// Sets the actuator in a test file; every other line of it stays as it is.
+/// Sets the actuator in a test file; every other line stays as it is.
 fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     let file = path.display();
     let text = decode::text(&file.to_string(), decode::bytes_to_edit(path)?)?;
@@ -123,7 +123,7 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
         ),
     ];
     let actuator = table(table(text.as_table_mut(), "plant", path)?, "actuator", path)?;
-    // Dynamics of another kind would contradict it.
+    // Parameters of another kind would contradict it.
     let foreign: Vec<String> = actuator
         .iter()
         .map(|(key, _)| key.to_owned())
@@ -132,7 +132,7 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     for key in foreign {
         actuator.remove(&key);
     }
-    // What stands beside another kind of actuator describes that one.
+    // The comment of another kind of actuator describes that one.
     if actuator.get("kind").and_then(Item::as_str) != Some("lag_delay") {
         actuator.remove("kind");
     }
@@ -153,7 +153,7 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     output::write_back(path, &text)
 }
 
-/// A table of a table, made where it is missing.
+/// A table within a table, created if missing.
 fn table<'a>(within: &'a mut Table, key: &str, file: &Path) -> Result<&'a mut Table, Failure> {
     let mut made = Table::new();
     made.set_implicit(key == "plant");
@@ -166,7 +166,7 @@ fn table<'a>(within: &'a mut Table, key: &str, file: &Path) -> Result<&'a mut Ta
     })
 }
 
-/// Sets a value and leaves the comment behind the old one.
+/// Sets a value and keeps the comment after the old one.
 fn set(table: &mut Table, key: &str, mut new: Item) {
     let old = table.get(key).and_then(Item::as_value);
     if let (Some(old), Some(new)) = (old, new.as_value_mut()) {

@@ -1,4 +1,4 @@
-//! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
+//! `outerloop improve`: a test, the diagnosis of its record, and the test improved by what was found.
 
 use super::rig_arguments::RigArguments;
 use super::{CommonArguments, hand_over_tests, json, require_all_ran};
@@ -64,15 +64,15 @@ pub(crate) struct ImprovementRow<'a> {
 }
 
 impl Improve {
-    /// Improves.
+    /// Improves the tests.
     ///
     /// # Errors
-    /// Bad input, or a test that cannot be diagnosed.
+    /// Bad input; a test that cannot be diagnosed; a second test that is worse than the first.
     pub fn run(&self) -> Result<(), Failure> {
         let files: Vec<PathBuf> = self.common.files(&self.more);
         let out = look_ahead::folder(self.out.as_deref(), &written(&files))?;
         let out = out.as_deref();
-        // A slip in the last of them is refused before the first has run for minutes.
+        // A mistake in the last file is refused before the first test has run for minutes.
         for file in &files {
             self.common.load_other(file)?;
         }
@@ -81,7 +81,7 @@ impl Improve {
         for file in &files {
             match self.improve_test(file, out) {
                 Ok(story) => stories.push(story),
-                // What the tests before have left is kept.
+                // The results of earlier tests are kept.
                 Err(stopped) if interrupt::asked() => {
                     eprintln!("outerloop: {}: {stopped}", file.display());
                 }
@@ -144,7 +144,7 @@ impl Improve {
     }
 }
 
-/// What the first test has left is kept where nothing comes of it: its specimen may not be there a second time.
+/// Keeps the record of the first test if the rest fails: its specimen may not be available a second time.
 fn keep_first(first: &FirstTest, file: &Path, out: Option<&Path>) {
     let (Some(trace), Some(folder)) = (first.trace(), out) else {
         return;
@@ -178,7 +178,7 @@ fn row<'a>(name: &str, s: &'a Improvement) -> ImprovementRow<'a> {
     }
 }
 
-/// The files of tests.
+/// The files written for the tests.
 fn written(tests: &[PathBuf]) -> Vec<String> {
     let designed =
         (1..=DESIGNED).flat_map(|n| [format!("designed-{n}.csv"), format!("next-{n}.csv")]);
@@ -198,18 +198,18 @@ fn written(tests: &[PathBuf]) -> Vec<String> {
         .collect()
 }
 
-/// What the files of a test begin with.
+/// The common beginning of a test's file names.
 fn stem(test: &Path) -> String {
     let stem = test.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
-/// The files beside the page.
+/// The files besides the page.
 fn files_of(stories: &[(String, &Improvement)]) -> Result<Vec<(String, String)>, Failure> {
     let mut files = Vec::new();
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
-        // A model with which the test became worse is not handed on.
+        // A model that made the test worse is not written.
         if story.outcome() != ImprovementOutcome::Worse {
             files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
         }

@@ -24,7 +24,7 @@ impl Keys {
     /// Lists them.
     ///
     /// # Errors
-    /// A filter that no key has in it.
+    /// A filter that matches no key.
     pub fn run(&self) -> Result<(), Failure> {
         let mut groups = keys::all();
         if let Some(filter) = &self.filter {
@@ -90,7 +90,7 @@ impl Schema {
     /// Prints it.
     ///
     /// # Errors
-    /// A name that has none.
+    /// A name without a schema.
     pub fn run(&self) -> Result<(), Failure> {
         let names = keys::SCHEMAS.map(|(name, _)| name);
         let Some(what) = &self.what else {

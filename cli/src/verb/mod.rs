@@ -1,4 +1,4 @@
-//! One file a verb.
+//! One file per verb.
 
 pub mod benchmark;
 pub mod board;
@@ -91,13 +91,13 @@ impl CommonArguments {
         self.load_other(&self.test)
     }
 
-    /// The test file, of either kind.
+    /// The test file, with `[coupled]` or without.
     fn load_any(&self) -> Result<TestFile, Failure> {
         note_seed(self.seed);
         TestFile::load_any(&self.test, &self.overrides)
     }
 
-    /// The test file, of either kind, with one value more.
+    /// The test file, with `[coupled]` or without, and with one more override.
     fn load_with(&self, assignment: &str) -> Result<TestFile, Failure> {
         note_seed(self.seed);
         let mut overrides = self.overrides.clone();
@@ -122,7 +122,7 @@ impl CommonArguments {
     }
 }
 
-/// Each of the ground motions that are named, or the test's own.
+/// Each named ground motion, or the test's own.
 fn each_record(named: &[PathBuf]) -> Vec<Option<&Path>> {
     match named {
         [] => vec![None],
@@ -130,7 +130,7 @@ fn each_record(named: &[PathBuf]) -> Vec<Option<&Path>> {
     }
 }
 
-/// Reads the name of a compensation and tells the shell which there are. A force and a predictor may be joined, so the
+/// Reads the name of a compensation and lists the names for the shell. A force law and a predictor may be joined, so the
 /// name is looked up by [`experiment::method`] and not here.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodName;
@@ -153,9 +153,9 @@ impl TypedValueParser for MethodName {
     }
 }
 
-/// Hands over what a verb found out: with `--out` the page, its `files` and the JSON, `named` with its text, in a folder; then
-/// with `--json` that text alone, else the answer on the terminal, and where the page is. `document` is told whether there
-/// is a page.
+/// Hands over the result of a verb. With `--out` the page, its `files` and the JSON `named` are written to a folder. Then
+/// with `--json` the JSON text is printed alone, else the answer and the location of the page. `document` is told whether
+/// there is a page.
 fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
     (out, json): (Option<&Path>, bool),
     named: (&'static str, &str),
@@ -190,7 +190,7 @@ fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
     Ok(())
 }
 
-/// The same of several tests; the page begins with how many of them ran where not all did.
+/// The same for several tests; if not all of them ran, the page begins with how many did.
 fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
     (done, asked): (usize, usize),
     wanted: (Option<&Path>, bool),
@@ -209,7 +209,7 @@ fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
     })
 }
 
-/// The same where nothing goes beside the page and the JSON, which says where `found` comes from.
+/// The same without further files; the JSON has the provenance of `found`.
 fn hand_over_found(
     wanted: (Option<&Path>, bool),
     name: &'static str,
@@ -220,19 +220,19 @@ fn hand_over_found(
     hand_over(wanted, (name, &text), no_files, document)
 }
 
-/// Where a verb has nothing beside the page and its JSON.
+/// For a verb without files besides the page and its JSON.
 fn no_files() -> Result<Vec<(&'static str, String)>, Failure> {
     Ok(Vec::new())
 }
 
-/// Says where the page is, if one was written.
+/// Prints the location of the page, if one was written.
 fn look_at_page(folder: Option<&Path>) {
     if let Some(folder) = folder {
         println!("Look at {}", folder.join("report.html").display());
     }
 }
 
-/// That all tests ran; Ctrl-C leaves a part of them.
+/// Checks that all tests ran; after Ctrl-C only some have.
 fn require_all_ran(done: usize, asked: usize) -> Result<(), Failure> {
     if done == asked {
         return Ok(());

@@ -1,4 +1,4 @@
-//! `outerloop new`: a commented test file, a declared model, or a signal, to begin with.
+//! `outerloop new`: a commented test file, a declared model, or a signal, as a start.
 
 use crate::keys;
 use askama::Template;
@@ -54,7 +54,7 @@ impl SignalArguments {
     }
 }
 
-/// A number, with its unit if somebody says it.
+/// A number, with its unit if one is given.
 fn number_in(unit: &str, text: &str) -> Result<f64, String> {
     match units::converted(text, unit) {
         Ok(Some(x)) => Ok(x),
@@ -109,7 +109,7 @@ impl New {
     /// Writes the file.
     ///
     /// # Errors
-    /// A file that is there already; an answer that cannot be used.
+    /// A file that already exists; an answer that cannot be used.
     pub fn run(&self) -> Result<(), Failure> {
         let path = self
             .model
@@ -158,7 +158,7 @@ impl New {
     }
 }
 
-/// What a person says of the structure and the rig.
+/// A person's description of the structure and the rig.
 #[derive(Template)]
 #[template(path = "new.toml", escape = "none")]
 struct RigInWords {
@@ -233,7 +233,7 @@ fn asked(folder: &Path, from: &mut impl BufRead) -> Result<String, Failure> {
     text.map_err(|e| Failure::test(format!("the test file cannot be written: {e}")))
 }
 
-/// A number in `unit` between `low` and `high`; asks again until the answer is one.
+/// A number in `unit` between `low` and `high`; asks again until the answer is valid.
 fn answered(
     question: &str,
     unit: &'static str,
@@ -260,7 +260,7 @@ fn answered(
     }
 }
 
-/// The name of a ground motion beside the test file, or nothing; asks again until the file is there.
+/// The name of a ground motion in the test file's folder, or nothing; asks again until the file exists.
 fn ground_motion(folder: &Path, from: &mut dyn BufRead) -> Result<String, Failure> {
     loop {
         let answer = line(
@@ -289,7 +289,7 @@ fn line(question: &str, from: &mut dyn BufRead) -> Result<String, Failure> {
 }
 
 impl RigInWords {
-    /// A value for each storey.
+    /// The same value for each storey.
     fn each(&self, value: &f64) -> String {
         match self.storeys {
             1 => format!("{value}"),
@@ -297,18 +297,18 @@ impl RigInWords {
         }
     }
 
-    /// The lowest mode of a uniform shear frame: 2 sin(pi / (4 n + 2)) sqrt(k / m).
+    /// Lowest natural frequency of a uniform shear frame, Hz: 2 sin(pi / (4 n + 2)) sqrt(k / m) / (2 pi).
     fn lowest_hz(&self) -> String {
         let share = 2.0 * (std::f64::consts::PI / (4 * self.storeys + 2) as f64).sin();
         three(share * (self.stiffness_n_per_m / self.mass_kg).sqrt() / TAU)
     }
 
-    /// How well a value is known that somebody answered: to this share of it, and to no less than `least`.
+    /// Tolerance of an answered value: this share of it, plus `least`.
     fn tolerance(value: &f64, share: f64, least: f64) -> String {
         three(share * value + least)
     }
 
-    /// Two thirds of what the rig may see, in displacement and force.
+    /// Two thirds of the rig's range, in displacement or force, whichever is smaller, mm.
     fn peak_mm(&self) -> f64 {
         let by_force = self.force_kn * 1e6 / self.stiffness_n_per_m;
         let mm = self.stroke_mm.min(by_force) * 2.0 / 3.0;

@@ -1,4 +1,4 @@
-//! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
+//! `outerloop replay`: recomputes an archived test and compares every channel, bit by bit.
 
 use super::rig_arguments::RigArguments;
 use super::{hand_over_found, json};
@@ -45,10 +45,10 @@ pub struct ReplayResult {
 }
 
 impl Replay {
-    /// Replays.
+    /// Replays the test.
     ///
     /// # Errors
-    /// No archive; a test on a real rig; another result.
+    /// A file that is no archive; a test on a real rig; a different result.
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "replay.json"])?;
         let archived = archive::load(&self.archive)?;
@@ -88,7 +88,7 @@ impl Replay {
             let mut d = Document::new("An archived test, worked out again", lead, page);
             match &outcome {
                 Ok(same) => d.verdict(Grade::Good, format!("{file}: {same}.")),
-                // On a terminal it is the error.
+                // On a terminal it is printed as the error.
                 Err(other) => d.on_page(|d| d.verdict(Grade::Bad, format!("{file}: {other}."))),
             }
             let (then, now) = (&found.archived_by, &found.replayed_by);
@@ -101,7 +101,7 @@ impl Replay {
 }
 
 impl ReplayResult {
-    /// What is the same, or what is not; `watched`: the archive has what a rig watch said.
+    /// What is the same, or what differs; `watched`: the archive has results of a rig watch.
     fn outcome(&self, watched: bool) -> Result<String, String> {
         let (steps, channels, differ) = (self.steps, self.channels, self.values_different);
         let changed = self.changed.join(", ");
@@ -122,9 +122,9 @@ impl ReplayResult {
     }
 }
 
-/// True if events and corrections of the rig watch are what the archive has; the diagnosis of the record is not asked again.
+/// True if events and corrections of the rig watch are those of the archive; the diagnosis of the record is not repeated.
 fn watch_is_same(archived: &Value, now: &impl Serialize) -> Result<bool, Failure> {
-    // Read back as the archive was.
+    // Converted to JSON and back, as the archive was.
     let now: Value = serde_json::from_str(&json(now)?)
         .map_err(|e| Failure::test(format!("the summary of the replay: {e}")))?;
     let parts = ["events", "corrections"];

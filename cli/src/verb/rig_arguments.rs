@@ -1,4 +1,4 @@
-//! What a person says of where a test runs.
+//! Command-line arguments for where a test runs.
 
 use crate::board::emulated::{self, Emulated, EmulatedRig};
 use crate::board::limits::PlannedMotion;
@@ -45,7 +45,7 @@ impl RigArguments {
         }
     }
 
-    /// The serial port, where the test runs on a board.
+    /// The serial port, if the test runs on a board.
     ///
     /// # Errors
     /// A port that cannot be opened.
@@ -56,7 +56,7 @@ impl RigArguments {
         Ok(Some(Box::new(Serial::open(device)?)))
     }
 
-    /// Who is asked before something moves.
+    /// The operator who is asked before anything moves.
     ///
     /// # Errors
     /// Nobody at the keyboard.
@@ -73,7 +73,7 @@ impl RigArguments {
         Operator::at_keyboard()
     }
 
-    /// The same where somebody watches: an emulated board goes no faster than a board would.
+    /// The same, watched by somebody or not: if so, an emulated board runs no faster than a real one.
     #[must_use]
     pub fn watched(&self, somebody: bool) -> Self {
         Self {

@@ -59,7 +59,7 @@ pub struct Run {
     scope: Scoped,
 }
 
-/// What stands in the folder of a test.
+/// The files in a test's folder.
 const FILES: [&str; 5] = [
     "report.html",
     "record.csv",
@@ -76,7 +76,7 @@ impl Run {
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
-        // It reads what is there, which nobody may read any more once it is an output.
+        // Done first: it reads the existing file, which is refused once that is an output.
         if let Some(file) = &self.archive {
             archive::refuse_to_replace(file)?;
         }
@@ -114,7 +114,7 @@ impl Run {
         summary.outcome()
     }
 
-    /// Runs the test; with a page or an archive every step is kept.
+    /// Runs the test; for a page or an archive every step is kept.
     fn test(&self, experiment: &Experiment, with_page: bool) -> Result<Ran, Failure> {
         let test = &experiment.test;
         let compensation = match &self.compensation {
@@ -132,7 +132,7 @@ impl Run {
         let title = format!("{} under {}", self.common.test.display(), experiment.record);
         let simulated = self.place.kind() == RigKind::Simulated;
         let scope = self.scope.open(&title, rate_hz, simulated)?;
-        // What repeats itself is stopped by an order that a replay can give again.
+        // A repeatable test is stopped by a request that a replay can repeat.
         let repeats = self.place.kind() != RigKind::Board;
         let by_signal = repeats.then_some(StopBySignal);
         if simulated {
@@ -154,7 +154,7 @@ impl Run {
         })
     }
 
-    /// Plays a signal instead of a test.
+    /// Plays a signal instead of running a test.
     fn play(&self, test: &TestFile, path: &Path, out: Option<&Path>) -> Result<(), Failure> {
         let signal = SignalPoints::load(path)?;
         let rate_hz = test.config.timing.rate_hz;
@@ -201,7 +201,7 @@ impl Run {
         })
     }
 
-    /// The archive, written where it was asked for; nothing of a test whose steps were not kept.
+    /// The archive, written if requested; empty for a test whose steps were not kept.
     fn archived(&self, experiment: &Experiment, ran: &Ran) -> Result<Vec<u8>, Failure> {
         let Some(trace) = &ran.run.trace else {
             return Ok(Vec::new());
@@ -222,17 +222,17 @@ impl Run {
     }
 }
 
-/// A test that ran.
+/// A completed test.
 struct Ran {
     compensation: Compensation,
     ideal: Response,
     run: JudgedRun,
-    /// What the operator asked for.
+    /// The operator's requests.
     orders: Vec<OperatorOrder>,
 }
 
 impl Ran {
-    /// What stands in the folder beside the page and the figures.
+    /// The files besides the page and the figures.
     fn files(&self, archived: Vec<u8>, rate_hz: f64) -> Vec<(&'static str, Vec<u8>)> {
         let mut files = vec![("record.h5", archived)];
         if let Some(trace) = &self.run.trace {
@@ -246,12 +246,12 @@ impl Ran {
     }
 }
 
-/// Asks the diagnosis of the test's record whether it finds what the watch has named.
+/// Checks whether the diagnosis of the test's record finds what the watch has named.
 fn compare_with_diagnosis(test: &TestFile, run: &mut JudgedRun) {
     let (Some(watch), Some(trace)) = (&mut run.summary.watch, &run.trace) else {
         return;
     };
-    // The record is of the lowest floor alone.
+    // The record covers only the lowest floor.
     let Some(model) = test.declared.as_ref().filter(|_| trace.floors.len() == 1) else {
         return;
     };
@@ -261,7 +261,7 @@ fn compare_with_diagnosis(test: &TestFile, run: &mut JudgedRun) {
     });
 }
 
-/// Puts what the model file at `path` knows of the rig into the test, and says what was done.
+/// Applies the model file at `path` to the test, and reports the changes.
 fn take_into_account(path: &Path, test: &mut TestFile) -> Result<Vec<String>, Failure> {
     let mut known = model::load(path)?;
     let without = known

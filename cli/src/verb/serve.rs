@@ -48,18 +48,18 @@ pub struct Serve {
     scope: Scoped,
 }
 
-/// What stands in the folder of a client.
+/// The files in a client's folder.
 const FILES: [&str; 3] = ["report.html", "record.csv", "summary.json"];
 
-/// How often it is checked for the operator's wish to end.
+/// How often the operator's interrupt is checked.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl Serve {
     /// Serves one client after another until the operator stops it.
     ///
     /// # Errors
-    /// A test that cannot be served, an address that cannot be listened at, a rig that is lost; with `--once`, a client
-    /// that did not come to its end.
+    /// A test that cannot be served; an address that cannot be bound; a rig that is lost; with `--once`, a client that
+    /// did not complete its test.
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
@@ -99,7 +99,7 @@ impl Serve {
                  the model's machine alone, or listen at 127.0.0.1 and forward the port by ssh."
             );
         }
-        // Where the last client's results went.
+        // Where the last client's results were written.
         let mut kept_in: Option<PathBuf> = None;
         while !interrupt::asked() {
             let Some(arrival) = waiting.next_arrival().map_err(cannot)? else {
@@ -108,7 +108,7 @@ impl Serve {
             };
             let served = serve_client(arrival, &element, rig.as_mut());
             let trace = rig.take_trace();
-            // Whoever never spoke leaves nothing to keep.
+            // A client that never sent a message has no results.
             if let (Some(first), Some(trace), true) = (out, &trace, served.spoke) {
                 let folder = match &kept_in {
                     None => first.to_owned(),
@@ -132,7 +132,7 @@ impl Serve {
         Ok(())
     }
 
-    /// The folder of the client after the one that has `last`.
+    /// The folder for the client after the one with `last`.
     fn folder_behind(&self, last: &Path) -> PathBuf {
         let folder = look_ahead::folder_behind(self.out.as_deref().unwrap_or(last), last);
         eprintln!(
@@ -142,7 +142,7 @@ impl Serve {
         folder
     }
 
-    /// Writes what a client left.
+    /// Writes a client's results.
     fn keep(
         &self,
         folder: &Path,
@@ -162,7 +162,7 @@ impl Serve {
         output::write_all(folder, &files)
     }
 
-    /// Prints what became of a client.
+    /// Prints the result of a client.
     fn tell(&self, summary: &SessionSummary) -> Result<(), Failure> {
         if self.json {
             let line = serde_json::to_string(&WithProvenance::seeded(summary, self.seed))
@@ -175,7 +175,7 @@ impl Serve {
     }
 }
 
-/// Serves the rig for a while, and passes on what observers ask for.
+/// Services the rig while nobody is served, and carries out the requests of observers.
 fn wait(rig: &mut dyn Mover) -> Result<(), Failure> {
     let began = std::time::Instant::now();
     rig.meanwhile().map_err(Failure::test)?;

@@ -1,4 +1,4 @@
-//! `outerloop completions` and `outerloop man`: what a shell and `man` know of the command line, made from it.
+//! `outerloop completions` and `outerloop man`, both generated from the command line.
 
 use experiment::failure::Failure;
 use experiment::files::plain;
@@ -28,7 +28,7 @@ impl Completions {
 pub struct ManPage;
 
 impl ManPage {
-    /// Prints it: the program, then each verb and what belongs to it, such as `board identify`.
+    /// Prints it: the program, then each verb and its own verbs, such as `board identify`.
     ///
     /// # Errors
     /// Standard output that cannot be written.
@@ -38,14 +38,14 @@ impl ManPage {
         command.build();
         let page = clap_mangen::Man::new(command.clone());
         page.render(&mut text).map_err(cannot)?;
-        // The generator takes each verb for a page of its own; here it is a section below.
+        // The generator refers to each verb as a page of its own; here it is a section.
         let mut text = own_sections(&command, &String::from_utf8_lossy(&text)).into_bytes();
         verbs(&command, "outerloop", &mut text).map_err(cannot)?;
         print(&text)
     }
 }
 
-/// The page with `outerloop run` in place of the page `outerloop-run(1)`, and so for each verb.
+/// The page with `outerloop run` instead of the page `outerloop-run(1)`, and likewise for each verb.
 fn own_sections(command: &clap::Command, page: &str) -> String {
     let verbs = command.get_subcommands().map(clap::Command::get_name);
     verbs.fold(page.to_owned(), |page, verb| {
@@ -57,7 +57,7 @@ fn own_sections(command: &clap::Command, page: &str) -> String {
     })
 }
 
-/// A section for each verb of `command`, and for each verb of it.
+/// A section for each verb of `command`, and for each verb below it.
 fn verbs(command: &clap::Command, name: &str, text: &mut Vec<u8>) -> std::io::Result<()> {
     for verb in command.get_subcommands().filter(|v| v.get_name() != "help") {
         let name = format!("{name} {}", verb.get_name());
@@ -67,7 +67,7 @@ fn verbs(command: &clap::Command, name: &str, text: &mut Vec<u8>) -> std::io::Re
         page.render_synopsis_section(&mut parts)?;
         page.render_description_section(&mut parts)?;
         page.render_options_section(&mut parts)?;
-        // Sections of their own in a page of their own; here they are parts of one.
+        // These would be sections of a separate page; here they are subsections.
         let parts = String::from_utf8_lossy(&parts).replace(".SH ", ".SS ");
         text.write_all(parts.as_bytes())?;
         verbs(verb, &name, text)?;

@@ -1,5 +1,5 @@
-//! `outerloop sweep`: the same test over the values of one key, or on rigs that are drawn around the declared one; under that
-//! name also `outerloop monte-carlo`.
+//! `outerloop sweep`: the same test over the values of one key, or on rigs drawn around the declared one; the latter is
+//! also `outerloop monte-carlo`.
 
 use super::{CommonArguments, MethodName, each_record, hand_over_tests, json, require_all_ran};
 use crate::answer::{self, TestSection};
@@ -67,7 +67,7 @@ pub struct MonteCarlo {
 }
 
 impl MonteCarlo {
-    /// Runs all of them.
+    /// Runs all tests.
     ///
     /// # Errors
     /// Bad input.
@@ -84,7 +84,7 @@ impl MonteCarlo {
     }
 }
 
-/// Standard deviations of the rigs, as `check` has them.
+/// Standard deviations of the rigs, as in `check`, but without that of the structure's damping.
 const SPREAD: Spread = Spread {
     plants: 0,
     seed: 0,
@@ -94,7 +94,7 @@ const SPREAD: Spread = Spread {
     damping: 0.0,
 };
 
-/// Tests whose ideals are worked out together.
+/// Tests whose ideal responses are computed together.
 const TOGETHER: usize = 4;
 
 /// What a sweep came to.
@@ -107,10 +107,10 @@ pub(crate) struct SweepResult<'a> {
 }
 
 impl Sweep {
-    /// Runs all of them, on all cores.
+    /// Runs all tests, on all cores.
     ///
     /// # Errors
-    /// Bad input; Ctrl-C before all tests ran.
+    /// Bad input; Ctrl-C before all tests have run.
     pub fn run(&self) -> Result<(), Failure> {
         match (&self.over, self.drawn) {
             (Some(over), _) => self.over_values(over),
@@ -158,7 +158,7 @@ impl Sweep {
         require_all_ran(rows.len(), asked)
     }
 
-    /// Each value on each ground motion.
+    /// Each value with each ground motion.
     fn experiments(&self, range: &Range) -> Result<Vec<(f64, Experiment)>, Failure> {
         let mut all = Vec::new();
         for value in &range.values {
@@ -173,7 +173,7 @@ impl Sweep {
         Ok(all)
     }
 
-    /// `tests` drawn rigs, asked for by the option `option`.
+    /// `tests` drawn rigs, requested by the option `option`.
     fn on_drawn(&self, option: &str, tests: usize) -> Result<(), Failure> {
         let names = ["report.html", "tests.csv", "monte-carlo.json"];
         let out = look_ahead::folder(self.out.as_deref(), &names)?;
@@ -203,7 +203,7 @@ impl Sweep {
         let rigs = spread.draw();
         interrupt::watch();
         let began = Instant::now();
-        // What is wrong with a specimen is no error of the test: each has its own ideal.
+        // A changed specimen is no error of the test: each rig has its own ideal.
         let on_rig = |i: usize| (i as f64, experiment.on_rig(&rigs[i]));
         let seed = |number: f64| self.common.seed.wrapping_add(number as u64);
         let rows = {
@@ -223,7 +223,7 @@ impl Sweep {
             if !with_page {
                 return Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, None));
             }
-            // The worst once more, with every step kept.
+            // The worst test once more, with every step kept.
             let error = |i: &usize| rows[*i].summary.error();
             let worst = (0..rows.len()).max_by(|a, b| error(a).total_cmp(&error(b)));
             let worst = worst.unwrap_or(0);

@@ -1,4 +1,4 @@
-//! What a diagnosis says, in words for the terminal and the report.
+//! A diagnosis in words, for the terminal and the report.
 
 pub mod plan;
 
@@ -57,16 +57,16 @@ pub fn headline(a: &ChannelAnswer) -> String {
     }
 }
 
-/// How much larger than the noise an error may be before it is said that more is missing.
+/// Ratio of an error to the noise above which more is said to be missing.
 const MORE: f64 = 1.5;
-/// A share of the motion that is what rounding leaves, of a simulated record without noise.
+/// A share of the motion at the level of rounding, for a simulated record without noise.
 const EXACT: f64 = 1e-9;
-/// Up to so many times the noise nothing remains beside it.
+/// Ratio to the noise up to which nothing remains.
 const NOTHING: f64 = 1.1;
-/// From this share of the squares on, lines that stand in a rest, too, are what is left.
+/// Share of the squares from which on lines that are also present at rest are the main residual.
 const DISTURBED: f64 = 0.1;
 
-/// Frequencies of what oscillates at rest as in motion, where it is most of what is left.
+/// Frequencies of what oscillates both at rest and in motion, if it is most of the residual.
 fn disturbed(a: &ChannelAnswer) -> Option<String> {
     let r = a.remainder.as_ref()?;
     let own: Vec<_> = r.lines.iter().filter(|l| l.at_rest).collect();
@@ -78,7 +78,7 @@ fn disturbed(a: &ChannelAnswer) -> Option<String> {
     (!own.is_empty() && squares >= DISTURBED * r.rms * r.rms).then(|| all.join(" and "))
 }
 
-/// How sure the names are, where the search says it.
+/// How certain the names are, if the search gives it.
 pub fn sureness(a: &ChannelAnswer) -> Option<String> {
     if !a.members.is_empty() {
         let each = a.members.iter();
@@ -95,7 +95,7 @@ pub fn sureness(a: &ChannelAnswer) -> Option<String> {
     ))
 }
 
-/// What may stand in the place of a name.
+/// The names that may be true in place of a given one.
 fn rivals(effect: &FoundEffect) -> Option<String> {
     let each = effect.rivals.iter();
     let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
@@ -103,7 +103,7 @@ fn rivals(effect: &FoundEffect) -> Option<String> {
     (!all.is_empty()).then(|| format!(" In the place of {}: {}.", effect.name, all.join(", ")))
 }
 
-/// So many times; where there is next to no noise nobody wants to know how many.
+/// A multiple; without noise the exact number does not matter.
 fn times(x: f64) -> String {
     if x > 1e3 {
         return "more than a thousand".into();
@@ -111,7 +111,7 @@ fn times(x: f64) -> String {
     format!("{x:.1}")
 }
 
-/// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
+/// What to do next, in one sentence; nothing if there was no verdict, since the notes give the reason.
 pub fn next(a: &ChannelAnswer) -> Option<String> {
     let left = match a.error_after.test_nrmse < EXACT {
         true => 0.0,
@@ -181,7 +181,7 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
 /// A parameter that has moved by less than this share of its tolerance is as declared.
 const MOVED: f64 = 0.05;
 
-/// Declared parameters as refitted, where some were free: those that moved, with how far, and those that did not.
+/// Refitted declared parameters, if some were free: those that moved, with how far, and those that did not.
 pub fn refitted(a: &ChannelAnswer) -> Option<String> {
     let (moved, stay): (Vec<_>, Vec<_>) = a
         .refitted
@@ -215,10 +215,10 @@ pub fn refitted(a: &ChannelAnswer) -> Option<String> {
     (!said.is_empty()).then(|| said.join(" "))
 }
 
-/// From so many tolerances on a parameter is as far as the declaration lets it go.
+/// Tolerances from which on a parameter is at the limit that the declaration allows.
 const AT_THE_END: f64 = 2.95;
 
-/// What became of the error on held-out data.
+/// The change of the error on held-out data.
 fn change(a: &ChannelAnswer) -> String {
     let (before, after) = (a.error_before.test_rms, a.error_after.test_rms);
     format!(
@@ -229,7 +229,7 @@ fn change(a: &ChannelAnswer) -> String {
     )
 }
 
-/// What the remaining error of a channel depends on, in words: place and speed are those of what goes into it.
+/// What the remaining error of a channel depends on, in words: position and velocity are those of its input.
 pub const fn depends_on(d: DependsOn, channel: Channel) -> &'static str {
     match (d, channel) {
         (DependsOn::Displacement, Channel::Actuator) => "the command",
@@ -249,7 +249,7 @@ pub const fn depends_on(d: DependsOn, channel: Channel) -> &'static str {
     }
 }
 
-/// What a correction without a name makes of the held-out error, in one sentence.
+/// The effect of a correction without a name on the held-out error, in one sentence.
 pub fn corrected(a: &ChannelAnswer) -> Option<String> {
     let with = a.error_with_remainder?;
     Some(format!(
@@ -277,7 +277,7 @@ pub fn predicted(a: &ChannelAnswer) -> Option<String> {
     ))
 }
 
-/// What is known of the rest, in one sentence.
+/// What is known of the residual, in one sentence.
 pub fn rest(a: &ChannelAnswer) -> Option<String> {
     let r = a.remainder.as_ref()?;
     let mut parts: Vec<String> = Vec::new();
@@ -312,7 +312,7 @@ pub fn rest(a: &ChannelAnswer) -> Option<String> {
     ))
 }
 
-/// A name for a verdict, as files have it.
+/// The name of a verdict, as in files.
 pub const fn verdict(v: Verdict) -> &'static str {
     match v {
         Verdict::None => "none",
@@ -324,7 +324,7 @@ pub const fn verdict(v: Verdict) -> &'static str {
     }
 }
 
-/// A 90 % interval that holds zero and is so many times as wide as the value tells nothing of it.
+/// A 90 % interval that contains zero and is wider than this multiple of the value does not determine it.
 const TOLD: f64 = 10.0;
 
 /// A parameter with its 90 % interval.
@@ -345,7 +345,7 @@ pub fn parameter(p: &FoundParameter) -> String {
     )
 }
 
-/// A value with its unit, where it has one.
+/// A value with its unit, if it has one.
 pub fn quantity(x: f64, unit: &str) -> String {
     match unit {
         _ if x.is_nan() => "-".into(),
@@ -354,7 +354,7 @@ pub fn quantity(x: f64, unit: &str) -> String {
     }
 }
 
-/// Four digits that mean something.
+/// Four significant digits; more for large numbers, which are not rounded before the decimal point.
 pub fn digits(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
@@ -371,7 +371,7 @@ mod tests {
     use super::*;
     use diagnosis::{Declared, Model, Recording, SpecimenModel};
 
-    /// A spring of 100 N/mm with `force` beside it, at rest for two seconds, declared as a spring.
+    /// A declared spring of 100 N/mm with an additional `force`, at rest for two seconds.
     fn answer(force: impl Fn(f64, f64) -> f64) -> ChannelAnswer {
         let record = |name: &str, hz: f64| {
             let time_s: Vec<f64> = (0..12_000).map(|i| f64::from(i) * 1e-3).collect();
@@ -413,7 +413,7 @@ mod tests {
         assert!(next(&nothing).unwrap().contains("no reason to change"));
         assert!(refitted(&nothing).unwrap().contains("stiffness_n_per_mm"));
 
-        // A simulated record has no noise: what rounding leaves is nothing, and nobody reads 300 digits.
+        // A simulated record has no noise: a rounding error counts as nothing, and nobody reads 300 digits.
         let mut exact = nothing.clone();
         exact.noise_floor_rms = 0.0;
         (exact.error_after.test_rms, exact.error_after.test_nrmse) = (1e-14, 1e-16);
@@ -425,7 +425,7 @@ mod tests {
         assert!(!cubic.effects.is_empty(), "{cubic:?}");
         assert!(next(&cubic).unwrap().contains("--save-model"));
 
-        // Neither a spring nor a damper: the force has the sign of what no effect of the list has.
+        // Neither a spring nor a damper: no effect of the list has a force of this sign.
         let odd = answer(|x, v| 8.0 * (3.0 * x).sin() * (0.7 * v).cos());
         assert_eq!(odd.verdict, Verdict::Unknown, "{odd:?}");
         let said = next(&odd).unwrap();

@@ -4,7 +4,7 @@ use super::{digits, quantity};
 use diagnosis::{Next, Origin, Outlook, Prediction};
 use plant::Channel;
 
-/// How long it is and how many phases it has.
+/// Its length and number of phases.
 pub fn summary(n: &Next) -> String {
     let phases = n.phases.iter().filter(|p| p.amplitude_mm > 0.0).count();
     format!(
@@ -14,7 +14,7 @@ pub fn summary(n: &Next) -> String {
     )
 }
 
-/// The limits, and where they come from.
+/// The limits and their origin.
 pub fn limits(n: &Next) -> String {
     let l = &n.limits;
     let place = if l.middle_mm == 0.0 {
@@ -59,10 +59,10 @@ pub fn limits(n: &Next) -> String {
     text + "."
 }
 
-/// Squares of a wrong cause over those of the right one, from which a name is certain.
+/// Ratio of the squares with a wrong cause to those with the right one, from which a name is certain.
 const CERTAIN: f64 = 2.0;
 
-/// What is expected of a channel.
+/// The expected result for a channel.
 pub fn expectation(o: &Outlook) -> String {
     let channel = o.channel.name();
     let left = quantity(o.left_rms, &o.unit);
@@ -114,7 +114,7 @@ pub fn name(p: &Prediction) -> &'static str {
     p.name.map_or("the model as it is", |n| n.name())
 }
 
-/// Unit of the area of loops.
+/// Unit of a loop's area.
 pub fn area_unit(o: &Outlook) -> String {
     match o.unit.as_str() {
         "1" => "mm".into(),

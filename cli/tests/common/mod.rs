@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
 
-/// Keys that every test's answer has: a part of the contract.
+/// Keys in the result of every test: a part of the contract.
 pub const KEYS: [&str; 14] = [
     "record",
     "compensation",
@@ -26,7 +26,7 @@ pub const KEYS: [&str; 14] = [
     "wall_s",
 ];
 
-/// What a verb answers is what its schema says, and an answer without this key is none; of a list, in its first entry.
+/// Checks that a result matches its schema, and that this key is required; for a list, in its first entry.
 #[track_caller]
 pub fn is_as_its_schema_says(schema: &str, answer: &Value, without: &str) {
     let schema = json(&["schema", schema]);
@@ -45,7 +45,7 @@ pub fn is_as_its_schema_says(schema: &str, answer: &Value, without: &str) {
         }
         one => (one, &schema["properties"]),
     };
-    // Every key of the answer is one of the schema's.
+    // Every key of the result is in the schema.
     for key in first.as_object().unwrap().keys() {
         assert!(properties[key].is_object(), "{key} is in no schema");
     }
@@ -58,14 +58,15 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The binary, in the folder of the workspace.
+/// The binary, run in the folder of the workspace.
 pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_outerloop"));
     command.args(arguments).current_dir(root());
     command
 }
 
-/// Starts it, and reads its standard error up to the line with `word`: what runs, the rest of what it says, that line.
+/// Starts it, and reads its standard error up to the line with `word`: gives the process, the rest of standard error,
+/// that line.
 pub fn started(mut command: Command, word: &str) -> (Child, BufReader<ChildStderr>, String) {
     let mut child = command
         .stdout(Stdio::piped())
@@ -84,7 +85,7 @@ pub fn started(mut command: Command, word: &str) -> (Child, BufReader<ChildStder
     (child, said, line)
 }
 
-/// Sends a signal to a program, `-TERM` for instance.
+/// Sends a signal such as `-TERM` to a process.
 #[track_caller]
 pub fn send_signal(to: &Child, signal: &str) {
     let kill = Command::new("kill")
@@ -93,12 +94,12 @@ pub fn send_signal(to: &Child, signal: &str) {
     assert!(kill.unwrap().success());
 }
 
-/// Runs it.
+/// Runs the binary.
 pub fn outerloop(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()
 }
 
-/// What it prints as JSON, whatever its exit status is.
+/// Its output as JSON, with this exit status.
 #[track_caller]
 pub fn json_with(status: i32, arguments: &[&str]) -> Value {
     let output = outerloop(arguments);
@@ -107,13 +108,13 @@ pub fn json_with(status: i32, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
 }
 
-/// What it prints as JSON, with exit status 0.
+/// Its output as JSON, with exit status 0.
 #[track_caller]
 pub fn json(arguments: &[&str]) -> Value {
     json_with(0, arguments)
 }
 
-/// Exit status 2, one sentence on standard error that says all of `words`, nothing on standard output.
+/// Exit status 2, one sentence on standard error that contains all of `words`, nothing on standard output.
 #[track_caller]
 pub fn refused(arguments: &[&str], words: &[&str]) {
     let output = outerloop(arguments);

@@ -1,4 +1,4 @@
-//! On a terminal of 80 columns: no line is wider, and no unit stands on a line of its own.
+//! On a terminal of 80 columns: no line is wider, and no unit is on a line of its own.
 #![cfg(unix)]
 
 use std::fs::File;
@@ -7,13 +7,13 @@ use std::process::{Command, Stdio};
 
 const COLUMNS: u16 = 80;
 
-/// Units as they stand behind a number.
+/// Units as they follow a number.
 const UNITS: [&str; 17] = [
     "%", "m", "mm", "um", "mrad", "s", "ms", "us", "Hz", "N", "kN", "J", "mJ", "kJ", "MJ", "m/s",
     "N/m",
 ];
 
-/// What a terminal of so many columns is told, both streams, and the exit status.
+/// The output of a command on a terminal of 80 columns, both streams, and its exit status.
 pub fn told(mut command: Command) -> (Option<i32>, String) {
     let size = nix::pty::Winsize {
         ws_row: 24,
@@ -25,16 +25,16 @@ pub fn told(mut command: Command) -> (Option<i32>, String) {
     let end = || Stdio::from(terminal.slave.try_clone().unwrap());
     command.stdin(end()).stdout(end()).stderr(end());
     let mut child = command.spawn().unwrap();
-    // The other end is open as long as anybody here holds it.
+    // The terminal stays open as long as its other end is held here.
     drop((command, terminal.slave));
     let mut bytes = Vec::new();
-    // Linux ends a terminal that nobody holds by an error.
+    // Linux reports an error when nobody holds the terminal any more.
     let _ = File::from(terminal.master).read_to_end(&mut bytes);
     let status = child.wait().unwrap().code();
     (status, String::from_utf8(bytes).unwrap())
 }
 
-/// Lines as they are seen: without colours, and of a line that was written over and over the last state.
+/// Lines as seen: without colours, and only the last state of a line that is overwritten.
 pub fn seen(text: &str) -> Vec<String> {
     let mut plain = String::new();
     let mut rest = text;
@@ -49,11 +49,11 @@ pub fn seen(text: &str) -> Vec<String> {
     lines.map(last).collect()
 }
 
-/// That all that was told fits.
+/// Checks that all output fits.
 pub fn check(line: &str, text: &str) {
     for shown in seen(text) {
         let width = textwrap::core::display_width(&shown);
-        // A path may be longer than any terminal, and stays whole; so does how a verb is called.
+        // A path may be longer than any terminal, and stays whole; so does the usage of a verb.
         let whole = shown.starts_with("Usage: ")
             || shown.trim().contains('/') && !shown.trim().contains("  ");
         assert!(

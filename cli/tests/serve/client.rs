@@ -1,4 +1,4 @@
-//! `outerloop serve` and a client that speaks to it as OpenSees' genericClient does.
+//! `outerloop serve` and a client that behaves as OpenSees' genericClient.
 
 use crate::common::{command, started};
 use serde_json::Value;
@@ -23,15 +23,15 @@ impl Server {
         Self::of("examples/opensees.toml", arguments)
     }
 
-    /// Of another test file.
+    /// With another test file.
     pub fn of(test: &str, arguments: &[&str]) -> Self {
-        // A board that has to be built first says so before.
+        // A board that is built first prints other lines before.
         let mut serve = command(&["serve", test, "--json"]);
         serve.args(["--listen", "127.0.0.1:0"]).args(arguments);
         let (mut child, mut said, line) = started(serve, "outerloop: serves");
         let address = line.split(" at ").nth(1).expect(&line);
         let address = address.split(';').next().unwrap().to_owned();
-        // What else it says must not fill its pipe.
+        // Its further output must not fill its pipe.
         std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
         let out = BufReader::new(child.stdout.take().unwrap());
         Self {
@@ -45,13 +45,13 @@ impl Server {
         self.client_of(1)
     }
 
-    /// With an element of so many degrees of freedom.
+    /// With an element of this many degrees of freedom.
     pub fn client_of(&self, n: i32) -> Client {
         let header = [n, n, n, 0, 1, 0, 0, 0, n, 0, LENGTH as i32];
         Client::connect(&self.address, &header)
     }
 
-    /// What it says of a client that has gone.
+    /// The JSON line for a client that has gone.
     pub fn account(&mut self) -> Value {
         let mut line = String::new();
         self.out.read_line(&mut line).unwrap();
@@ -66,14 +66,14 @@ impl Drop for Server {
     }
 }
 
-/// As OpenSees' genericClient.
+/// Behaves as OpenSees' genericClient.
 pub struct Client(pub TcpStream);
 
 impl Client {
     pub fn connect(address: &str, header: &[i32]) -> Self {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.set_nodelay(true).unwrap();
-        // For an answer that does not come: a slow machine takes half a minute for the longest move of an emulated board.
+        // For a reply that does not come: a slow machine needs half a minute for the longest move of an emulated board.
         let timeout = Some(Duration::from_secs(180));
         stream.set_read_timeout(timeout).unwrap();
         let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
@@ -85,7 +85,7 @@ impl Client {
         let mut message = vec![0.0; LENGTH];
         message[..numbers.len()].copy_from_slice(numbers);
         let bytes: Vec<u8> = message.iter().flat_map(|x| x.to_le_bytes()).collect();
-        // A server that has hung up is found out when it is listened to.
+        // A closed connection is noticed at the next read.
         let _ = self.0.write_all(&bytes);
     }
 
@@ -93,7 +93,7 @@ impl Client {
         self.receive_all().map(|[first, ..]| first)
     }
 
-    /// All numbers of an answer.
+    /// All numbers of a reply.
     pub fn receive_all(&mut self) -> Option<[f64; LENGTH]> {
         let mut bytes = [0; 8 * LENGTH];
         self.0.read_exact(&mut bytes).ok()?;
@@ -106,7 +106,7 @@ impl Client {
         self.receive()
     }
 
-    /// A step: trial, force, commit.
+    /// One step: trial, force, commit.
     pub fn step(&mut self, displacement: f64, time_s: f64) -> Option<f64> {
         self.step_all([displacement], time_s).map(|[force]| force)
     }
@@ -122,7 +122,8 @@ impl Client {
     }
 }
 
-/// The displacements of a mass on the specimen under a ground motion, explicit Newmark, and the force by `force`.
+/// The displacements of a mass on the specimen under a ground motion, by explicit Newmark, with the restoring force
+/// `force`.
 pub fn integrate(steps: usize, mut force: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
     let (m, dt, c) = (1000.0, 0.01, 500.0);
     let (mut u, mut v, mut a, mut path) = (0.0_f64, 0.0, 0.0, Vec::new());

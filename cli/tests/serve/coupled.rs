@@ -1,4 +1,4 @@
-//! Two actuators on one coupler, served: x and rotation of the interface are the model's.
+//! Two actuators on one coupler, served: the model commands x and rotation of the interface.
 
 use crate::client::{Client, Server};
 use crate::common::{is_as_its_schema_says, json, refused};
@@ -7,13 +7,13 @@ use serde_json::Value;
 const EXAMPLE: &str = "examples/coupled-frame.toml";
 /// `[coupled.specimen]` of the example: N/m, N/rad; N m/m, N m/rad.
 pub const SPECIMEN: [[f64; 2]; 2] = [[104e3, 30e3], [30e3, 96e3]];
-/// What of the example's frame is the model's, with the same units, and its masses, kg and kg m^2.
+/// The model's part of the example's frame, in the same units, and its masses, kg and kg m^2.
 const MODEL: [[f64; 2]; 2] = [[104e3, 30e3], [30e3, 96e3]];
 const MASS: [f64; 2] = [1000.0, 60.0];
 
-/// The specimen is what is declared; the actuators are not.
+/// The specimen is as declared; the actuators are not.
 const AS_DECLARED: &str = "plant.coupled.specimen.springs=[]";
-/// A rig that is read when it stands.
+/// A rig that is read at rest.
 pub const STANDS: [&str; 4] = [
     "--set",
     "serve.settle_ms=100",
@@ -36,7 +36,7 @@ pub fn times(k: &[[f64; 2]; 2], u: [f64; 2]) -> [f64; 2] {
     k.map(|row| row[0] * u[0] + row[1] * u[1])
 }
 
-/// Where a client may send it.
+/// Targets that a client may send.
 pub const TARGETS: [[f64; 2]; 5] = [
     [0.02, 0.0],
     [0.02, 0.03],
@@ -45,14 +45,14 @@ pub const TARGETS: [[f64; 2]; 5] = [
     [0.001, -0.002],
 ];
 
-/// A number of the account's coordinate `j`.
+/// A figure of the account's coordinate `j`.
 pub fn figure(account: &Value, j: usize, key: &str) -> f64 {
     account["coordinates"][j][key].as_f64().unwrap()
 }
 
 #[test]
 fn the_interface_stands_where_the_model_sends_it_and_its_forces_are_the_specimens() {
-    // Of mm and mrad, N and N m: a rig without noise, and that of the example.
+    // In mm and mrad, N and N m: a rig without noise, and that of the example.
     for (noise, off, off_force) in [
         (&SILENT[..], [5e-3, 3e-2], [0.05, 0.1]),
         (&[], [5e-2, 0.4], [8.0, 3.0]),
@@ -91,7 +91,7 @@ fn the_interface_stands_where_the_model_sends_it_and_its_forces_are_the_specimen
     }
 }
 
-/// What the last step of a record has in two columns.
+/// The last values of two columns of a record.
 fn last_of(record: &str, names: [&str; 2]) -> [f64; 2] {
     let head = record.lines().next().unwrap();
     let last: Vec<&str> = record.lines().next_back().unwrap().split(',').collect();
@@ -101,7 +101,7 @@ fn last_of(record: &str, names: [&str; 2]) -> [f64; 2] {
     })
 }
 
-/// x and rotation of the example's frame under a ground motion, explicit Newmark; the specimen answers by `force`.
+/// x and rotation of the example's frame under a ground motion, by explicit Newmark; the specimen's force is `force`.
 fn integrate(steps: usize, mut force: impl FnMut([f64; 2], f64) -> [f64; 2]) -> Vec<[f64; 2]> {
     let dt = 0.01;
     let ([mut u, mut v, mut a], mut path) = ([[0.0_f64; 2]; 3], Vec::new());
@@ -124,7 +124,7 @@ fn integrate(steps: usize, mut force: impl FnMut([f64; 2], f64) -> [f64; 2]) -> 
 
 #[test]
 fn a_frame_half_of_which_is_served_moves_as_the_whole_one() {
-    // As it is measured: carried to the target, the force of a linear specimen says nothing of where the rig stands.
+    // As measured: a force carried to the target by a linear stiffness does not depend on where the rig stands.
     let mut server = server(&["--set", "serve.carry_force=false"]);
     let mut client = server.client_of(2);
     client.say(&[12.0]);
@@ -138,7 +138,7 @@ fn a_frame_half_of_which_is_served_moves_as_the_whole_one() {
     is_as_its_schema_says("serve", &account, "verdict");
     assert_eq!(account["verdict"], "completed", "{account}");
     assert_eq!(account["targets"], 300);
-    // Of the peak: the noise of the readings, which a model that is sent back sums up.
+    // As a share of the peak: the noise of the readings, which a model in closed loop accumulates.
     for (j, least, most) in [(0, 0.02, 1e-3), (1, 0.005, 1e-2)] {
         let peak = whole.iter().fold(0.0_f64, |p, u| p.max(u[j].abs()));
         let apart = whole.iter().zip(&served).map(|(a, b)| (a[j] - b[j]).abs());
@@ -150,7 +150,7 @@ fn a_frame_half_of_which_is_served_moves_as_the_whole_one() {
             "{account}"
         );
     }
-    // m and rad are not mixed: the figures of every test are those of x.
+    // m and rad are not mixed: the figures common to all tests are those of x.
     for (of_all, of_x) in [
         ("peak_displacement_m", "peak"),
         ("tracking_rms_m", "tracking_rms"),
@@ -165,7 +165,7 @@ fn a_frame_half_of_which_is_served_moves_as_the_whole_one() {
     assert_eq!(names, ["x_m", "rotation_rad"]);
 }
 
-/// What a target beyond a limit is answered with, and what is said.
+/// Checks the reply to a target beyond a limit, and the reason.
 fn refused_target(to: [f64; 2], said: &str) {
     let mut server = server(&[]);
     let mut client: Client = server.client_of(2);
@@ -239,7 +239,7 @@ fn units_on_the_wire_are_the_models_and_a_rotation_is_in_rad() {
 fn what_cannot_be_served_of_two_coupled_actuators_is_refused_in_one_sentence() {
     let third = "coupled.structure={coordinates=['x_m','rotation_rad','top_m'],damping_ratio=0.04,\
                  mass=[[1000,0,0],[0,60,0],[0,0,500]],stiffness=[[208e3,60e3,0],[60e3,192e3,0],[0,0,1e5]]}";
-    // An address that is nobody's: what is not refused does not wait for a client.
+    // An address that does not exist here: if this is not refused, it does not wait for a client.
     let serve = ["serve", EXAMPLE, "--listen", "192.0.2.1:9"];
     for (set, words) in [
         (
@@ -259,7 +259,7 @@ fn what_cannot_be_served_of_two_coupled_actuators_is_refused_in_one_sentence() {
     }
     let scope = [&serve[..], &["--scope"]].concat();
     refused(&scope, &["--scope", "two coupled actuators"]);
-    // A ground motion needs nothing of it.
+    // A test on a ground motion does not use this key.
     let ran = json(&[
         "run",
         EXAMPLE,

@@ -1,10 +1,10 @@
-//! The same on the flashed image, behind an emulated board.
+//! The same with the flashed image on an emulated board.
 
 use crate::client::{STIFFNESS, Server};
 use crate::coupled::{SPECIMEN, STANDS, TARGETS, figure, times};
 use crate::{MISCHIEF, continuous, now_and_then, passes_its_force_limit, without_a_jump};
 
-/// PERMIT is low after whatever a client does, nothing is lost, and the next one is served.
+/// After anything that a client may do, PERMIT is low, nothing is lost, and the next client is served.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served() {
@@ -21,7 +21,7 @@ fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served()
         "--set",
         "limits.force_n=5000",
     ]);
-    // The client dies, half a message comes, nothing comes, NaN, 1e9.
+    // The client closes, closes within a message, sends nothing, NaN, 1e9.
     let chosen = [0, 1, 2, 4, 5];
     for (number, (verdict, reason, mischief)) in chosen.map(|i| MISCHIEF[i]).into_iter().enumerate()
     {
@@ -29,7 +29,7 @@ fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served()
         for i in 1..=5 {
             let u = 1e-3 * f64::from(i);
             let force = client.step(u, 1e-3 * f64::from(i)).unwrap();
-            // Codes of 12 bits over twice the range.
+            // 12-bit codes over twice the range.
             assert!((force - STIFFNESS * u).abs() < 20.0, "{force} at {u}");
         }
         mischief(&mut client);
@@ -53,7 +53,7 @@ fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served()
     }
 }
 
-/// The board knows of a late model by its own clock: it holds, goes on, and the PC works out every step of it again.
+/// The board detects a late model by its own clock: it holds and resumes, and the PC recomputes every step.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn a_model_that_is_sometimes_late_holds_the_emulated_board_and_goes_on_without_a_jump() {
@@ -99,11 +99,11 @@ fn a_specimen_behind_the_emulated_board_that_passes_its_force_limit_trips_it() {
     passes_its_force_limit(&mut server);
 }
 
-/// Of a storey of `examples/three-storey.toml`, N/m.
+/// Stiffness of a storey of `examples/three-storey.toml`, N/m.
 const STOREY: f64 = 797.3e3;
 
-/// The image for three actuators: a model of three degrees of freedom is answered by the frame behind it, by all three load
-/// cells; a target that one floor may not go to moves none of them, and the next client is served.
+/// The image for three actuators: a model with three degrees of freedom gets the forces of the frame from all three load
+/// cells. A target beyond one floor's limit moves none of them, and the next client is served.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_freedom() {
@@ -127,14 +127,14 @@ fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_free
         let ways = [u[0], u[1] - u[0], u[2] - u[1], 0.0];
         for (j, force) in force.into_iter().enumerate() {
             let own = STOREY * (ways[j] - ways[j + 1]);
-            // Codes of 16 bits over 100 mm and 100 kN are 1.5 um and 1.5 N.
+            // 16-bit codes over 100 mm and 100 kN are 1.5 um and 1.5 N.
             assert!(
                 (force - own).abs() < 15.0,
                 "{force} of {own} N at floor {j}"
             );
         }
     }
-    // Nobody moves where one floor may not go.
+    // No actuator moves if one floor's target is beyond its limit.
     let answer = client.step_all([1e-3, 1e9, 1e-3], 0.1).unwrap();
     assert!(answer.iter().all(|force| force.is_nan()), "{answer:?}");
     client.say(&[99.0]);
@@ -158,8 +158,8 @@ fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_free
     }
 }
 
-/// Two actuators on one coupler are the first two of that image: x and rotation stand where a model sends them, both load cells
-/// together answer with the specimen's force and moment, and a rotation beyond its limit moves nothing.
+/// Two actuators on one coupler are the first two of that image: x and rotation reach a model's targets, both load cells
+/// together give the specimen's force and moment, and a rotation beyond its limit moves nothing.
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn two_coupled_actuators_of_the_emulated_board_answer_a_model_with_force_and_moment() {
@@ -192,7 +192,7 @@ fn two_coupled_actuators_of_the_emulated_board_answer_a_model_with_force_and_mom
         (&5.into(), &false.into())
     );
     println!("{account}");
-    // Noise of the readings, and their codes.
+    // Noise and codes of the readings.
     for (j, most) in [(0, 1e-4), (1, 5e-4)] {
         assert!(figure(&account, j, "tracking_max") < most, "{account}");
     }
@@ -200,7 +200,7 @@ fn two_coupled_actuators_of_the_emulated_board_answer_a_model_with_force_and_mom
     let lost = (&board["steps_lost"], &board["steps_different"]);
     assert_eq!(lost, (&0.into(), &0.into()));
     assert_eq!(board["timing"]["overruns"], 0, "{account}");
-    // The next client finds it as it was.
+    // The next client is served in the same way.
     let mut next = server.client_of(2);
     assert!(next.step_all([1e-3, 2e-3], 0.01).unwrap()[0].is_finite());
     next.say(&[99.0]);

@@ -1,5 +1,5 @@
-//! `outerloop serve` with clients that speak to it byte by byte: what a genericClient of OpenSees says, and what it should
-//! never say. With OpenSees itself: `tests/opensees.rs`.
+//! `outerloop serve` with clients that write bytes directly: what a genericClient of OpenSees sends, and what it never should.
+//! With OpenSees itself: `tests/opensees.rs`.
 #![allow(missing_docs)]
 
 mod client;
@@ -51,7 +51,7 @@ fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_secon
 
 type Mischief = fn(&mut Client);
 
-/// What a client may do, what becomes of it, and what is said.
+/// What a client may do, with the verdict and the reason.
 const MISCHIEF: [(&str, &str, Mischief); 10] = [
     ("lost", "closed the connection", |c| {
         let _ = c.0.shutdown(std::net::Shutdown::Both);
@@ -77,7 +77,7 @@ const MISCHIEF: [(&str, &str, Mischief); 10] = [
         assert!(c.step(0.0, f64::INFINITY).unwrap().is_nan());
     }),
     ("refused", "asks for action 0.25", |c| {
-        // NaN until it leaves, or the end: OpenSees itself never notices a closed connection.
+        // NaN until the client leaves, or a closed connection, which OpenSees itself never notices.
         assert!(c.ask(0.25).is_none_or(f64::is_nan));
     }),
     (
@@ -125,7 +125,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         );
         assert_eq!(account["permit"], false, "{reason}");
         assert!(account["targets"].as_u64().unwrap() >= 20);
-        // Nothing is lost: every step until then is in the record.
+        // Nothing is lost: every step so far is in the record.
         let kept = match number {
             0 => out.clone(),
             n => folder.path().join(format!("kept-{}", n + 1)),
@@ -135,7 +135,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         assert_eq!(lines("record.csv").lines().count(), steps + 1);
         assert!(lines("summary.json").contains(&account["client"].to_string()));
     }
-    // A first message that is none.
+    // An invalid first message.
     for (header, reason) in [
         ([7; 11], "controls 7 displacements and the rig has 1"),
         ([-3; 11], "is none of OpenSees'"),
@@ -156,12 +156,12 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
             .to_string()
             .contains("said nothing for 0.4 s after it had connected")
     );
-    // Whoever never spoke as a client leaves no folder behind.
+    // A connection without a valid first message leaves no folder.
     let folders = std::fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(folders, MISCHIEF.len());
 }
 
-/// Whoever connects and says nothing, or dribbles, keeps nobody waiting, however patient the rig is with a client.
+/// A connection that sends nothing, or only a few bytes, keeps no client waiting, however long the timeout.
 #[test]
 fn connections_that_do_not_speak_keep_no_client_waiting() {
     let mut server = Server::start(&["--set", "serve.timeout_s=3600"]);
@@ -177,12 +177,11 @@ fn connections_that_do_not_speak_keep_no_client_waiting() {
     for _ in 0..20 {
         assert!(reason(&mut server).contains("said nothing for 5 s"));
     }
-    // One after the other they would have taken 100 s.
+    // In sequence they would have taken 100 s.
     assert!(began.elapsed().as_secs() < 60, "{:?}", began.elapsed());
 }
 
-/// A rig whose limit of force is 1 kN, sent 5 mm and then 10 mm far.
-/// As Ctrl-C: the rig comes to rest, the record is kept, and the exit status says that the test did not come to its end.
+/// As with Ctrl-C: the rig comes to rest, the record is kept, and the exit status says that the test was not completed.
 #[test]
 #[cfg(unix)]
 fn a_signal_in_the_middle_of_a_test_keeps_the_record() {
@@ -193,7 +192,7 @@ fn a_signal_in_the_middle_of_a_test_keeps_the_record() {
         let mut client = server.client();
         client.step(1e-3, 0.02).unwrap();
         common::send_signal(&server.child, signal);
-        // Whoever still asks is answered with no force, as soon as the signal has come through.
+        // Further requests get no force, as soon as the signal has arrived.
         let answered = |i: i32| {
             let answer = client.step(1e-3 + 1e-6 * f64::from(i), 0.02 * f64::from(i));
             answer.is_some_and(f64::is_finite)
@@ -207,16 +206,17 @@ fn a_signal_in_the_middle_of_a_test_keeps_the_record() {
         let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
         assert!(record.lines().count() > 10, "{record}");
     }
-    // Where nothing moves there is nothing to lose.
+    // If nothing moves, the exit status is 0.
     let mut idle = Server::start(&[]);
     common::send_signal(&idle.child, "-TERM");
     assert_eq!(idle.child.wait().unwrap().code(), Some(0));
 }
 
+/// A rig with a force limit of 1 kN, sent to 5 mm and then to 10 mm.
 fn passes_its_force_limit(server: &mut Server) {
     let mut client = server.client();
     assert!(client.step(0.005, 0.1).is_some());
-    // OpenSees would wait for ever at a closed connection: it is answered with NaN.
+    // OpenSees would wait forever on a closed connection, so the reply is NaN.
     assert!(client.step(0.01, 0.2).unwrap().is_nan());
     assert!(client.step(0.01, 0.3).unwrap().is_nan());
     client.say(&[99.0]);
@@ -261,7 +261,7 @@ fn units_on_the_wire_are_the_models() {
     assert_eq!(server.child.wait().unwrap().code(), Some(0));
 }
 
-/// An actuator 8 ms late under a model with a step of 10 ms, in real time; `sleep` is how long the model takes.
+/// An actuator with a delay of 8 ms and a model with a step of 10 ms, in real time; `sleep` is the model's time for a step, ms.
 fn continuous(place: &[&str], sleep: impl Fn(usize) -> u64) -> (Value, Vec<f64>) {
     let folder = tempfile::tempdir().unwrap();
     let arguments = [
@@ -305,7 +305,7 @@ fn a_model_that_is_sometimes_late_holds_the_rig_and_goes_on_without_a_jump() {
     for account in [&punctual, &late] {
         assert_eq!(account["verdict"], "completed", "{account}");
         assert_eq!(account["targets"], 300);
-        // Eqs 12 and 14: what the delay puts in is measured, and a damping takes it out.
+        // Eqs 12 and 14: the energy that the delay puts in is measured, and a damping removes it.
         assert!(account["energy_error_j"].as_f64().unwrap() < 0.0);
         assert!(account["mean_added_damping_n_s_per_m"].as_f64().unwrap() > 100.0);
     }
@@ -315,19 +315,19 @@ fn a_model_that_is_sometimes_late_holds_the_rig_and_goes_on_without_a_jump() {
     without_a_jump(&held, &smooth);
 }
 
-/// How long a model takes that is late in five steps of three hundred, ms.
+/// Time for a step of a model that is late in five steps of three hundred, ms.
 fn now_and_then(step: usize) -> u64 {
     if step % 60 == 59 { 60 } else { 0 }
 }
 
-/// The largest step of a command beside that of a model which is never late.
+/// Compares the largest step of the command with that of a model that is never late.
 #[track_caller]
 fn without_a_jump(held: &[f64], smooth: &[f64]) {
     let most = |c: &[f64]| {
         let steps = c.windows(2).map(|w| (w[1] - w[0]).abs());
         steps.fold(0.0, f64::max)
     };
-    // After a hold the command has 8 of 20 control steps to its target: 1.5 times the mean speed over these, at most.
+    // After a hold the command has 8 of 20 control steps to reach its target, at no more than 1.5 times their mean velocity.
     assert!(most(held) < 1.5 * 20.0 / 8.0 * most(smooth));
     let wide = held.iter().fold(0.0_f64, |p, u| p.max(u.abs()));
     assert!(

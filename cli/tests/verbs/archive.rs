@@ -1,4 +1,4 @@
-//! `record.h5` and the archive: read by h5py, read back by this program, and replayed to the bit.
+//! `record.h5` and the archive: read by h5py and by this program, and replayed to the bit.
 
 use crate::common::{json, json_with, outerloop, refused, root};
 use serde_json::Value;
@@ -7,7 +7,7 @@ use std::process::Command;
 
 const FRAME: &str = "examples/steel-frame.toml";
 
-/// A second and a half of the noisy steel frame, ten times slower than real time, archived.
+/// 1.5 s of the noisy steel frame, ten times slower than real time, archived.
 fn archived(folder: &Path) -> String {
     let file = folder.join("test.h5").display().to_string();
     let out = folder.join("out").display().to_string();
@@ -46,7 +46,7 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     };
     assert!(page(&record).1.contains("class=\"verdict good\""));
 
-    // One bit of one value of the force: it is found, with its place.
+    // One wrong bit in one force value is found, with its location.
     let mut bytes = std::fs::read(&file).unwrap();
     let h5 = hdf5_pure::File::from_bytes(bytes.clone()).unwrap();
     let force: Vec<f32> = h5.dataset("force_n").unwrap().read().unwrap();
@@ -80,7 +80,7 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     let first = found["first_difference"].as_str().unwrap();
     assert!(first.starts_with("flags at step 0, "), "{first}");
 
-    // What no step depends on is held as well: a time, or a word of the summary.
+    // Items that no step depends on are checked as well: a time, or a word of the summary.
     let text = |word: &str| -> Vec<u8> { word.encode_utf16().flat_map(u16::to_le_bytes).collect() };
     for (name, pattern, other) in [
         (

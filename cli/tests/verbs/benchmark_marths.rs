@@ -1,10 +1,10 @@
-//! From the multi-axial benchmark's record by `diagnose` to a lower floor, with nothing but the commands.
+//! From the multi-axial benchmark's record via `diagnose` to a lower floor, only with the commands.
 
 use crate::common::{is_as_its_schema_says, json, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
-/// Folder of the data, where the problem's files are.
+/// The data folder, if the problem's files are there.
 fn data() -> Option<String> {
     let folder = test_data::file("marths/K_matrix.csv")?;
     test_data::file("ground-motion/RTHSBENCH_ElCentro.csv")?;
@@ -71,7 +71,7 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
         (0, "stiffness", "x_m", 2.324e6),
         (0, "stiffness", "rotation_rad", -0.861e6),
         (2, "stiffness", "x_m", -0.861e6),
-        // Where the rig answers nothing.
+        // Entries without a reaction of the rig.
         (1, "stiffness", "free_rotation_rad", 0.0),
         (1, "stiffness", "x_m", 0.0),
     ] {
@@ -84,9 +84,10 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
         notes.contains("Nothing answers at free_rotation_rad"),
         "{notes}"
     );
-    // The frame's velocity and acceleration come from a filter, w^2 / (s^2 + 1.4 w s + w^2) at 50 Hz, and are late. So its
-    // force is not that of its 8.45 kg: with (410 s + 8.45 s^2) through that filter, the part in phase with the acceleration
-    // is 6.63 kg at 0 Hz and falls to 5.84 kg at 15 Hz, where the noise takes over. A constant mass lies between.
+    // The frame's velocity and acceleration come from a filter, w^2 / (s^2 + 1.4 w s + w^2) at 50 Hz, and are late. So
+    // its force is not that of its 8.45 kg: with (410 s + 8.45 s^2) through that filter, the part in phase with the
+    // acceleration is 6.63 kg at 0 Hz and falls to 5.84 kg at 15 Hz, where the noise takes over. A constant mass lies
+    // between.
     let mass = wrong(&d, 0, "mass", "x_m");
     let [low, high] = pair(&mass["ci90"]);
     assert_eq!(mass["declared"].as_f64().unwrap().round(), 903.0);
@@ -111,7 +112,7 @@ fn no_controller_is_below_the_noise_of_raw_readings() {
     let answer = benchmark(&data, &[]);
     assert_eq!(answer["criteria"].as_array().unwrap().len(), 9);
     assert!(answer.get("targets").is_none());
-    // In rotation; of a controller that has nothing else.
+    // In rotation, for a controller without other errors.
     let floor = pair(&answer["rows"][0]["J5_floor"]);
     assert!((3.5..5.0).contains(&floor[1]), "{floor:?}");
 }
@@ -152,7 +153,7 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
     let rows: Vec<Vec<f64>> = lines
         .map(|l| l.split(',').map(|c| c.parse().unwrap()).collect())
         .collect();
-    // As they are, and sent ahead by what the actuators are late at 2 Hz: 55 and 24 ms.
+    // As they are, and sent ahead by the actuators' delays at 2 Hz: 55 and 24 ms.
     let judged = |lead: [usize; 2]| {
         let mut filled = format!("{head}\n");
         for (k, row) in rows.iter().enumerate() {
@@ -184,7 +185,7 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
         );
     }
     assert!(ahead["J8"][0].is_null(), "the loop is not closed");
-    // Targets of another record are not these.
+    // The targets of another record differ.
     let others = [
         "benchmark",
         "marths",

@@ -1,4 +1,4 @@
-//! `outerloop benchmark rths`: its own rules on the problem's records where they are, the rest on an earthquake of our own.
+//! `outerloop benchmark rths`: its rules on the problem's records if available, the rest on a generated earthquake.
 
 use crate::common::{is_as_its_schema_says, json, outerloop, refused};
 use serde_json::Value;
@@ -46,9 +46,9 @@ fn official_rules_on_the_problems_own_record() {
     ]));
     is_as_its_schema_says("benchmark-rths", &answer, "best");
     assert_eq!(answer["rules"], "official");
-    // What was asked of this program's makers is not what a laboratory asks.
+    // Targets for this program's developers are not part of the result.
     assert!(answer.get("targets").is_none());
-    // Beside the rows the specimens that yield, nominal plant, and what a criterion means.
+    // Besides the rows: yielding specimens with the nominal plant, and the meaning of the criteria.
     for specimen in ["degrading", "pinched"] {
         assert_eq!(answer[specimen].as_array().unwrap().len(), 4 * 3);
         assert!(number(&answer[specimen][0], "energy_error") > 0.0);
@@ -62,7 +62,7 @@ fn official_rules_on_the_problems_own_record() {
     }
 }
 
-/// 30 s of decaying noise, the same every time, as a ground motion in g.
+/// 30 s of decaying noise, always the same, as a ground motion in g.
 fn earthquake(folder: &Path) -> PathBuf {
     let mut text = String::from("time_s,acc_g\n");
     let mut state = 1_u64;
@@ -110,12 +110,12 @@ fn an_earthquake_of_our_own_has_all_that_a_row_has_and_the_report_stands_alone()
                 assert!(number(row, name).is_finite());
             }
             assert!(number(row, "J4_worst_perturbed") < most, "{row}");
-            // As read: what is left, and the noise of the sensor, which has nothing to do with it.
+            // J2 as measured combines the remaining error and the sensor's noise, which are independent.
             let whole = number(row, "J2_true").hypot(number(row, "J2_floor"));
             assert!((number(row, "J2") / whole - 1.0).abs() < 0.08, "{row}");
         }
     }
-    // The delay of the force costs whoever does not correct it, however well it tracks.
+    // The delay of the force spoils the result of a controller that does not correct it, however well it tracks.
     let j4 = |name| number(rows(&found, name)[3], "J4_true");
     assert!(j4("hydraulic") > 10.0 * j4("hydraulic/mu=1.5"));
 
@@ -155,7 +155,7 @@ fn deviations_have_their_own_figures_and_names() {
     let official = with_rules(&[]);
     let no_delay = with_rules(&["--deviate", "no-unit-delay"]);
     assert_eq!(no_delay["rules"], "official + no-unit-delay");
-    // Of one and a half samples one is gone.
+    // One of one and a half samples is gone.
     let share = j4(&no_delay) / j4(&official);
     assert!((share - 1.0 / 3.0).abs() < 0.1, "{share}");
     let own = with_rules(&["--rules", "own"]);
@@ -192,7 +192,7 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
             [cells.next().unwrap(), cells.next().unwrap()]
         })
         .collect();
-    // Sent ahead by what the actuator is late.
+    // Sent ahead by the actuator's delay.
     let mut led = String::from("time_s,target_m,command_m\n");
     for (k, [time_s, target_m]) in rows.iter().enumerate() {
         let command_m = rows.get(k + 95).map_or(0.0, |r| r[1]);
@@ -215,7 +215,7 @@ fn a_table_of_commands_from_outside_gets_its_figures() {
         number(row, "J1").abs() < 3.0 && number(row, "J2") < 40.0,
         "{row}"
     );
-    // Targets of another case are not these.
+    // The targets of another case differ.
     let wrong = with(&["--record", &file, "--case", "3", "--follow", &table_text]);
     refused(
         &wrong,
@@ -285,7 +285,7 @@ fn bad_input_is_refused_in_one_sentence() {
     }
 }
 
-/// The multi-axial problem has the same kind of page: tables, pictures, what J7 hides.
+/// The multi-axial problem has the same kind of page: tables, plots, what J7 hides.
 #[test]
 fn the_multi_axial_problem_has_a_page_with_pictures() {
     let Some(file) = test_data::file("marths/K_matrix.csv") else {

@@ -35,7 +35,7 @@ fn a_test_that_cannot_be_stable_is_refused_with_the_published_limit() {
     let answer = json(&output);
     assert_eq!(answer["stable"], false);
     assert_eq!(answer["verdict"], "unstable");
-    // Growth and limit of the audit: 6.65 % a second, 2 zeta / omega = 3.18 ms, by the time scale as well.
+    // Growth and limit from the audit: 6.65 % a second, 2 zeta / omega = 3.18 ms, and the same from the time scale.
     let growth = answer["growth_per_s"].as_f64().unwrap().exp_m1();
     assert!((growth - 0.0665).abs() < 2e-4, "{growth}");
     let limit = answer["delay"]["limit"].as_f64().unwrap();
@@ -72,7 +72,7 @@ fn the_default_compensation_is_stable_and_its_budget_adds_up() {
 
 #[test]
 fn a_runaway_is_never_called_stable_and_a_wrong_result_is_doubtful() {
-    // What `run` shows of the default method, which is configured with the true delay: 8.5 %, 12 %, and a runaway.
+    // The errors of `run` with the default method, configured with the true delay: 8.5 %, 12 %, and a runaway.
     for (delay_ms, verdict, status, said) in [
         ("12", "stable", 0, "ran to its end"),
         ("15", "doubtful", 1, "not the structure's response"),
@@ -121,7 +121,7 @@ fn notes(answer: &Value) -> String {
 
 #[test]
 fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
-    // Told 1 ms of 8: unstable at the start, stable when it has learnt.
+    // Told 1 ms of 8 ms: unstable at the start, stable when it has learnt.
     let learning = |more: &[&str]| {
         let told = ["--compensation", "afp", "--json", "--plants", "20", "--set"];
         let late = [
@@ -141,7 +141,7 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
     let predictor = budget.iter().find(|p| p["part"] == "predictor").unwrap();
     assert!((predictor["ms"].as_f64().unwrap() + 8.0).abs() < 0.01);
 
-    // It may not learn more than 2 ms: 6 are left, and the limit without a predictor is 3.18.
+    // It may learn at most 2 ms: 6 ms remain, and the limit without a predictor is 3.18 ms.
     let bounded = learning(&["--set", "compensation.adaptation.longest_delay_ms=2"]);
     assert_eq!(bounded.status.code(), Some(3));
     let answer = json(&bounded);
@@ -149,7 +149,7 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
     assert_eq!(answer["verdict"], "unstable");
 }
 
-/// What a person reads first is the verdict, and no table says otherwise.
+/// The verdict is printed first, and no table contradicts it.
 #[test]
 fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
     let late = ["--set", "plant.actuator.delay_ms=40", "--plants", "5"];
@@ -166,7 +166,7 @@ fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
             .unwrap_or_else(|| panic!("no row {name} in {text}"))
             .to_owned()
     };
-    // By its small motions alone it would be stable, and it runs away.
+    // Its small motions alone would be stable, but it runs away.
     for learns in ["amb", "ats", "hydraulic"] {
         let row = row(&format!("{learns} "));
         assert!(
@@ -176,7 +176,7 @@ fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
     }
     assert!(row("none ").contains("grows"));
     assert!(!text.contains(" yes ") && !text.contains("eigenvalue"));
-    // Bad input has another exit status, and nothing on standard output.
+    // Bad input has a different exit status, and nothing on standard output.
     let bad = check(&["--set", "plant.actuator.delay_ms=-1"]);
     assert_eq!((bad.status.code(), bad.stdout.len()), (Some(2), 0));
     assert!(!String::from_utf8_lossy(&bad.stderr).contains("unstable"));
@@ -195,7 +195,7 @@ fn the_limit_of_a_fixed_predictor_is_its_delay_and_what_the_structure_takes() {
         (&answer["stable"], &answer["at_start"]),
         (&Value::Bool(true), &Value::Null)
     );
-    // Told 4 ms: 4 and 2 zeta / omega = 3.18 ms.
+    // Told 4 ms: the limit is 4 ms plus 2 zeta / omega = 3.18 ms.
     let limit = answer["delay"]["limit"].as_f64().unwrap();
     assert!((limit - 7.183).abs() < 0.03, "{limit}");
 }
@@ -222,7 +222,7 @@ fn what_will_be_watchable_is_said_before_the_test_with_its_size() {
             .output();
         json(&output.expect("the tool runs"))["watch"].clone()
     };
-    // 40 mm at 1 Hz, an actuator that is declared within half a millisecond: the 12 ms of the example, and none below 1 ms.
+    // 40 mm at 1 Hz, an actuator declared to within 0.5 ms: the example's 12 ms can be seen, but nothing below 1 ms.
     let watch = outlook(&[]);
     let all = watch["watchable"].as_array().unwrap();
     let late = all
@@ -232,6 +232,6 @@ fn what_will_be_watchable_is_said_before_the_test_with_its_size() {
     assert_eq!(late["unit"], "ms");
     let least = late["least"].as_f64().unwrap();
     assert!((1.0..12.0).contains(&least), "{least}");
-    // Off is off.
+    // Switched off there is no outlook.
     assert_eq!(outlook(&["--set", "watch.on=false"]), Value::Null);
 }

@@ -1,4 +1,4 @@
-//! The binary as people and scripts call it: keys, exit statuses, one clear sentence, nothing half written.
+//! The binary as people and scripts call it: keys, exit statuses, errors in one clear sentence, nothing half written.
 
 use crate::common::{KEYS, json, json_with, outerloop, refused};
 use serde_json::Value;
@@ -191,7 +191,7 @@ fn out_writes_a_report_that_needs_nothing_beside_it_and_a_record_that_reads_back
     for line in lines {
         let cells: Vec<f32> = line.split(',').map(|c| c.parse().unwrap()).collect();
         assert_eq!(cells.len(), names.len());
-        // A linear specimen: the force that was written is the stiffness times the displacement that was written.
+        // A linear specimen: the written force is the stiffness times the written displacement.
         assert!((cells[3] - 158e3 * cells[2]).abs() <= 1e-6 * cells[3].abs() + 1e-3);
         rows += 1;
     }
@@ -317,7 +317,7 @@ fn many_rigs_differ_and_repeat_themselves() {
         once["eps_rms_95"],
         "the same by its other name"
     );
-    // Gains of 2 % pass through the damping, which sees a stiffness in them, and are taken out by the tangent force.
+    // The damping sees a stiffness in gains of 2 % and does not remove their effect; the tangent force does.
     let tangent = json(&[&many[..], &["--compensation", "tangent"]].concat());
     let of = |a: &Value, key: &str| a[key].as_f64().unwrap();
     for all in [&once, &tangent] {

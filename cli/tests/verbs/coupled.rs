@@ -1,4 +1,4 @@
-//! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
+//! Tests of two coupled actuators: physics, interlocks in both coordinate systems, refusals.
 use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
 use experiment::coupled::figures::CoupledFigures;
 use experiment::coupled::interface::InterfaceTrace;
@@ -12,7 +12,7 @@ use outerloop_core::{Event, Mode};
 use plant::linear::Linear;
 
 const EXAMPLE: &str = "examples/coupled-frame.toml";
-/// A rig without noise, without the brace and with actuators that are where they are sent.
+/// A rig without noise, without the brace, and with ideal actuators.
 const EXACT: [&str; 5] = [
     "plant.coupled.ideal=true",
     "plant.coupled.specimen.springs=[]",
@@ -34,7 +34,7 @@ fn run(overrides: &[&str]) -> (Experiment, Response, Trace, Summary) {
     (e, ideal, run.trace.unwrap(), run.summary)
 }
 
-/// What only the record of two coupled actuators has.
+/// The part of the record that only two coupled actuators have.
 fn interface(record: &Trace) -> &InterfaceTrace {
     record.interface.as_ref().unwrap()
 }
@@ -47,7 +47,7 @@ fn figures(summary: &Summary) -> &CoupledFigures {
 fn without_actuator_error_it_is_the_exact_solution() {
     let (e, ideal, record, summary) = run(&EXACT);
     assert!(summary.eps_max < 1e-5, "{}", summary.eps_max);
-    // u'' = M^-1 (-K u - C u') - iota a_g, the ground along straight lines between the samples.
+    // u'' = M^-1 (-K u - C u') - iota a_g, with the ground acceleration linear between samples.
     let s = &e.test.coupled_part().unwrap().declared.structure;
     let square = |m: &[Vec<f64>]| SMatrix::<f64, 2, 2>::from_fn(|i, j| m[i][j]);
     let (mass, stiffness) = (square(&s.mass), square(&s.stiffness));
@@ -86,7 +86,7 @@ fn it_says_that_nothing_is_watched() {
 
 #[test]
 fn a_shaking_turned_round_turns_everything_round() {
-    // With pins beside the interface point a rotation of either sign moves them alike.
+    // With both pins at the x of the interface point, rotations of either sign move them alike.
     let quiet = [
         "coupled.coupler.pin_x_m=[0,0]",
         "plant.sensors.displacement_noise_mm=0",
@@ -123,7 +123,7 @@ fn a_shaking_turned_round_turns_everything_round() {
     }
 }
 
-/// Holds a running test, and looks where the interface stands then.
+/// Holds a running test, and measures how far the interface is from its target.
 #[derive(Default)]
 struct Held {
     done: usize,
@@ -154,7 +154,7 @@ impl TestObserver for Held {
     }
 }
 
-/// The structure's modes, which a hold stops, would pull the interface towards zero.
+/// The structure's modes, which a hold stops, would otherwise pull the interface towards zero.
 #[test]
 fn in_a_hold_the_interface_stands_where_it_is_held() {
     let e = experiment(&[]);
@@ -180,7 +180,7 @@ fn in_a_hold_the_interface_stands_where_it_is_held() {
 fn energies_balance_over_the_interface() {
     let (_, _, record, summary) = run(&["coupled.compensation=coupled-fixed"]);
     let (of_interface, floors) = (interface(&record), &record.floors);
-    // Eq 12 less HSEM is what is left of R (u_m - u_c) at the end: its increments add up to it.
+    // Eq 12 less HSEM is the final R (u_m - u_c), the sum of its increments.
     let last = record.len() - 1;
     let left: f64 = (0..2)
         .map(|i| {
@@ -195,7 +195,7 @@ fn energies_balance_over_the_interface() {
         balance.abs() < 1e-6 * summary.energy_error_j.abs(),
         "{balance}"
     );
-    // The actuators do the work on their strokes that force and moment do on x and rotation.
+    // The work of the actuators on their strokes is that of force and moment on x and rotation.
     let (mut strokes, mut interface, mut turned) = (0.0, 0.0, 0.0);
     for n in 1..record.len() {
         let work = |force: &[f32], at: &[f32]| {
@@ -245,7 +245,7 @@ fn knowing_the_coupling_is_worth_what_the_comparison_says() {
     assert!(coupled.eps_rms < 0.02, "{}", coupled.eps_rms);
     assert!(fixed.eps_rms > 2.0 * coupled.eps_rms || fixed.verdict != TestVerdict::Completed);
     assert!(uncoupled.verdict != TestVerdict::Completed || uncoupled.eps_rms > fixed.eps_rms);
-    // What is estimated comes nearer to the rig than what was declared.
+    // The estimate comes nearer to the rig than the declaration.
     for name in ["slow_pole_hz.0", "slow_pole_hz.1"] {
         let f = figures(&coupled)
             .found
@@ -312,7 +312,7 @@ fn results_have_the_keys_of_other_tests_and_the_record_both_systems() {
     let mut names: Vec<&str> = head.split(',').collect();
     names.sort_unstable();
     assert!(names.windows(2).all(|w| w[0] != w[1]), "{head}");
-    // What such a test does not have is no column of zeros.
+    // Channels that such a test does not have are no columns of zeros.
     assert!(
         !head.contains("gain") && !head.contains("damping"),
         "{head}"
@@ -452,7 +452,7 @@ fn a_sweep_has_the_figures_of_each_test() {
         assert_eq!(coupled[key], alone[key], "{key}");
     }
     let error = |row: usize| rows[row]["eps_rms"].as_f64().unwrap();
-    // Declared as it is, the pole needs no finding out; both are then nearer.
+    // If the pole is declared correctly, it need not be identified; both are then nearer.
     assert!(error(2) < 0.8 * error(0), "{} {}", error(2), error(0));
     refused(
         &["sweep", EXAMPLE, "--over", over, "--compensations", "paper"],

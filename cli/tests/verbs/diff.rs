@@ -1,10 +1,10 @@
-//! `outerloop diff`: two tests that ran, side by side.
+//! `outerloop diff`: two completed tests, side by side.
 
 use crate::common::{json, json_with, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
-/// On an ideal rig.
+/// With an ideal actuator.
 const IDEAL: [&str; 4] = [
     "--compensation",
     "none",
@@ -12,7 +12,7 @@ const IDEAL: [&str; 4] = [
     "plant.actuator.delay_ms=0",
 ];
 
-/// Six seconds of a test, kept in `folder`; and its summary.
+/// Six seconds of a test, written to `folder`, and its summary.
 fn ran(folder: &Path, name: &str, more: &[&str]) -> (String, Value) {
     let out = folder.join(name).display().to_string();
     let mut arguments = vec!["run", "examples/table1.toml", "--json", "--out", &out];
@@ -88,7 +88,7 @@ fn a_slower_test_is_compared_in_model_time_and_too_far_apart_is_a_failure() {
     let apart = channel(&difference, "target_m")["rms_of_peak"]
         .as_f64()
         .unwrap();
-    // Two integration steps of the same motion: explicit Newmark is off by (omega dt)^2 / 24 of the period.
+    // Two integration steps for the same motion: the period of explicit Newmark is off by (omega dt)^2 / 24.
     assert!(apart > 0.0 && apart < 1e-3, "{apart}");
     let (late, _) = ran(
         folder.path(),

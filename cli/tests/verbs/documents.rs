@@ -1,5 +1,5 @@
-//! The documents' commands, read from the documents: each of the README runs on a fresh clone without any data, or says in
-//! one sentence what it lacks and where that is to be had; every verb and option that a page shows exists.
+//! The documents' commands: each of the README runs on a fresh clone without any data, or says in one sentence what is
+//! missing and where to get it; every verb and option on a page exists.
 
 use crate::common::root;
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-/// The fenced blocks of a page in a language, each as its lines.
+/// The fenced blocks of a page in a language, each as lines.
 pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<Vec<&'a str>> {
     let mut found = Vec::new();
     let mut open: Option<(bool, Vec<&str>)> = None;
@@ -23,7 +23,7 @@ pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<Vec<&'a str>> {
     found
 }
 
-/// The lines of a page that are set in by four blanks, outside its fenced blocks, as one block.
+/// The lines of a page indented by four spaces, outside its fenced blocks, as one block.
 fn set_in(page: &str) -> Vec<&str> {
     let outside = page.split("```").step_by(2);
     outside
@@ -32,7 +32,7 @@ fn set_in(page: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The commands of a page's blocks for a shell, one a line, continued lines joined, comments left out.
+/// The commands in a page's shell blocks, one per line; continued lines are joined, comments removed.
 fn commands(page: &str) -> Vec<String> {
     let plain = ["sh", ""]
         .iter()
@@ -53,7 +53,7 @@ fn commands(page: &str) -> Vec<String> {
     all
 }
 
-/// A comment stands behind two blanks or begins the line.
+/// A comment follows a space or a tab, or begins the line.
 fn without_comment(line: &str) -> String {
     let end = [" #", "\t#"]
         .iter()
@@ -77,7 +77,7 @@ fn pages() -> Vec<PathBuf> {
     all
 }
 
-/// A folder outside any checkout, with the examples in it.
+/// A folder outside any checkout, with a copy of the examples.
 fn stranger() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     copy(&root().join("examples"), &folder.path().join("examples"));
@@ -97,7 +97,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// A command as a shell runs it, without third-party data, image or emulator.
+/// A command as run by a shell, without third-party data, image or emulator.
 fn shell(folder: &Path, line: &str) -> Command {
     let program = Path::new(env!("CARGO_BIN_EXE_outerloop"));
     let path = format!("{}:/usr/bin:/bin", program.parent().unwrap().display());
@@ -141,7 +141,7 @@ fn runs_or_says_what_it_lacks(line: &str, output: &Output) {
     }
 }
 
-/// A server waits for its client until it is told to stop; here at a port that nobody else has.
+/// A server waits for its client until it is stopped; here on a free port.
 fn waits_and_stops(folder: &Path, line: &str) {
     let line = format!("{line} --listen 127.0.0.1:0");
     let mut server = shell(folder, &line).spawn().unwrap();
@@ -172,7 +172,7 @@ fn every_command_of_the_readme_runs_on_a_fresh_clone_or_says_what_it_lacks() {
     }
 }
 
-/// The options that a verb has, by what its help says.
+/// The options of a verb, from its help.
 fn options(verb: &str) -> BTreeSet<String> {
     let words: Vec<&str> = verb.split(' ').chain(["--help"]).collect();
     let output = crate::common::outerloop(&words);
@@ -185,7 +185,7 @@ fn options(verb: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The verb of a command and the options that it is given.
+/// The verb of a command and its options.
 fn verb_and_options(line: &str) -> Option<(String, Vec<String>)> {
     let words: Vec<&str> = line
         .strip_prefix("outerloop ")?
@@ -277,7 +277,7 @@ fn is_test(name: &str) -> bool {
     })
 }
 
-/// What a command for tests names: packages, files of tests, and the words by which tests are chosen.
+/// The parts of a test command: packages, test files, and the words that select tests.
 #[derive(Debug, Default)]
 struct Chosen {
     packages: Vec<String>,
@@ -304,7 +304,7 @@ fn chosen(command: &str) -> Option<Chosen> {
     Some(chosen)
 }
 
-/// The functions below a folder or in a file of Rust, with their modules in front, `scenarios::stability::a_test`.
+/// The functions in a Rust file or below a folder, with their modules, `scenarios::stability::a_test`.
 fn functions(path: &Path, modules: &str, all: &mut Vec<String>) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let modules = format!("{modules}{stem}::");

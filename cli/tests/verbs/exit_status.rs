@@ -1,4 +1,4 @@
-//! Exit statuses, a standard output that fails, and results that are written where they should go.
+//! Exit statuses, a standard output that fails, and the places where results are written.
 
 use crate::common::{command, json, json_with, outerloop};
 use std::fs;
@@ -13,7 +13,7 @@ fn a_script_can_tell_a_good_test_from_a_bad_one() {
     assert_eq!(json(&run)["verdict"], "completed");
     let away = json_with(1, &["run", TABLE1, "--json", "--compensation", "none"]);
     assert_eq!(away["verdict"], "diverged");
-    // Late enough to be wrong, not late enough to run away.
+    // A delay large enough for a wrong result, but not for running away.
     let wrong = json_with(
         1,
         &[&run[..], &["--set", "plant.actuator.delay_ms=20"]].concat(),
@@ -57,7 +57,7 @@ fn a_signal_before_a_board_is_armed_says_that_nothing_has_moved() {
     use std::io::Read as _;
     use std::os::unix::fs::PermissionsExt as _;
     let home = tempfile::tempdir().unwrap();
-    // An emulator that never says a word.
+    // An emulator that never replies.
     let silent = home.path().join("emu");
     fs::write(&silent, "#!/bin/sh\necho started >&2\ncat >/dev/null\n").unwrap();
     fs::set_permissions(&silent, fs::Permissions::from_mode(0o755)).unwrap();

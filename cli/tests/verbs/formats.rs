@@ -1,8 +1,8 @@
-//! Records as laboratories have them: every dialect of CSV, MAT and HDF5, told apart and read the same.
+//! Records in the formats of laboratories: every dialect of CSV, MAT and HDF5, recognized and read with the same result.
 
 use crate::common::{json, outerloop, refused};
 
-/// A motion and what a first-order actuator makes of it, 1 kHz.
+/// A motion and the response of a first-order actuator, at 1 kHz.
 fn rows() -> Vec<[f64; 3]> {
     let mut moved = 0.0;
     (0..4000)
@@ -129,7 +129,7 @@ fn what_stands_beside_a_record_does_not_spoil_it() {
         said.contains("`State` is left out: `moves` in line 2 is no number"),
         "{said}"
     );
-    // A clock that jitters by up to 0.1 ms: what is done about it is said.
+    // A clock that jitters by up to 0.1 ms: the correction is reported.
     let late = |i: usize| 1e-4 * (i as f64 * 0.618_033_988_75).fract();
     let jitter =
         file(
@@ -139,7 +139,7 @@ fn what_stands_beside_a_record_does_not_spoil_it() {
         );
     let said = String::from_utf8(outerloop(&["identify", &jitter]).stderr).unwrap();
     assert!(said.contains("laid on an even grid of 1.000 ms"), "{said}");
-    // A logger that lost a cell at 3.5 s: what is not asked for may be so.
+    // A logger that lost a cell at 3.5 s: allowed outside the requested span.
     let holed = file("hole.csv", "time_s,command_mm,displacement_mm", &|i,
                                                                         [
         t,
@@ -155,7 +155,7 @@ fn what_stands_beside_a_record_does_not_spoil_it() {
     );
     let found = lag_ms(&[&format!("{holed}@0..3.4")]);
     assert!((found - 20.0).abs() < 1.0, "{found}");
-    // Small units, and times of day at an even rate whose column says no unit.
+    // Small units, and times of day at an even rate whose column has no unit.
     let micro = file(
         "micro.csv",
         "Time (us),Command (um),Displacement (um)",
@@ -190,14 +190,14 @@ fn what_stands_beside_a_record_does_not_spoil_it() {
     assert!((found - 20.0).abs() < 1.0, "{found}");
 }
 
-/// Data that others published, if they are on this machine.
+/// Data published by others, if they are on this machine.
 fn outside(name: &str) -> Option<String> {
     test_data::file(&format!("outside/{name}")).map(|path| path.display().to_string())
 }
 
 #[test]
 fn published_mat_and_hdf5_files_are_read_as_they_are() {
-    // EMPS: position reference and measured position of a drive (MAT 5), beside the same as CSV.
+    // EMPS: position reference and measured position of a drive (MAT 5), and the same as CSV.
     if let (Some(mat), Some(csv)) = (outside("DATA_EMPS.mat"), outside("emps.csv")) {
         let columns = ["time=t:s", "command=qg:m", "displacement=qm:m"];
         let columns = columns.map(|c| ["--column", c]).concat();

@@ -81,7 +81,7 @@ fn a_rig_is_found_again_and_written_into_its_test_file() {
         table["plant"]["actuator"]["kind"].as_str(),
         Some("lag_delay")
     );
-    // The converter holds each command for a step of half a millisecond: that is delay as well.
+    // The converter holds each command for a step of half a millisecond, which also acts as a delay.
     let delay = number(["plant", "actuator", "delay_ms"]);
     let lag = number(["plant", "actuator", "lag_ms"]);
     assert!(

@@ -1,4 +1,4 @@
-//! `outerloop improve`: what a diagnosis finds makes the next test better, by the error of the test itself.
+//! `outerloop improve`: what a diagnosis finds makes the next test better, judged by the test's own error.
 
 use crate::common::is_as_its_schema_says;
 use serde_json::Value;
@@ -19,7 +19,7 @@ fn improve(arguments: &[&str]) -> Vec<Value> {
     answer["rows"].as_array().unwrap().clone()
 }
 
-/// The rig of the examples, with something in it that nobody declares.
+/// The rig of the examples, with something undeclared.
 fn rig(sensors: &str, effect: &str) -> String {
     let example = include_str!("../../../examples/undeclared/friction.toml");
     let (common, _) = example.split_once("[[plant.effects]]").unwrap();
@@ -34,7 +34,7 @@ fn effect(name: &str, channel: &str, parameters: &str) -> String {
 
 #[test]
 fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
-    // True motion, reading, force, time: each where it is.
+    // Causes in the true motion, the reading, the force and the timing.
     let taken_out = [
         (
             "motion-offset",
@@ -83,7 +83,7 @@ fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
             ),
         ),
     ];
-    // What stays is said to stay.
+    // What cannot be removed is reported.
     let stays = [
         ("backlash", effect("backlash", "actuator", "width_mm = 1")),
         (
@@ -140,7 +140,7 @@ fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
 
 #[test]
 fn what_a_small_earthquake_cannot_tell_apart_is_settled_by_a_designed_test() {
-    // 2 mm: a lag of 4 ms looks like a delay. The rig may do more than the earthquake asks of it.
+    // At 2 mm a lag of 4 ms looks like a delay. The rig can move further than the earthquake requires.
     let limits = "[limits]\ndisplacement_m = 0.03\nvelocity_m_per_s = 0.6\nforce_n = 8000\n[[plant.effects]]";
     let text = effect("lag_error", "actuator", "lag_ms = 4")
         .replace("[excitation]", "[excitation]\npeak_response_mm = 2")
@@ -169,7 +169,7 @@ fn what_a_small_earthquake_cannot_tell_apart_is_settled_by_a_designed_test() {
     assert!(out.join("small-next-1.csv").exists() && out.join("small-designed-1.csv").exists());
 }
 
-/// A test with converters of 12 bits that are coarse for its peak, mm.
+/// A test with converters of 12 bits that are coarse for its peak, in mm.
 fn coarse(peak_mm: f64, effect: &str) -> String {
     format!(
         "[structure]
@@ -205,7 +205,7 @@ force_range_n = 10000
 
 #[test]
 fn whatever_the_noise_of_a_small_test_its_lag_is_settled_by_a_designed_one() {
-    // The loop's own noise leaves no rest here: a delay and a lag fit to the same squares.
+    // The loop's own noise leaves no rest here: a delay and a lag fit equally well.
     let folder = tempfile::tempdir().unwrap();
     let test = folder.path().join("small.toml");
     let text = coarse(2.0, "name = 'lag_error'\nchannel = 'actuator'\nlag_ms = 6");
@@ -222,7 +222,8 @@ fn whatever_the_noise_of_a_small_test_its_lag_is_settled_by_a_designed_one() {
 
 #[test]
 fn what_only_the_held_out_part_of_a_test_shows_is_not_called_nothing() {
-    // The actuator's largest speed is reached late: the first part of the record, which is learned from, leaves noise alone.
+    // The actuator's largest velocity is reached late: the first part of the record, used for training, leaves only
+    // noise.
     let folder = tempfile::tempdir().unwrap();
     let test = folder.path().join("fast.toml");
     let text = coarse(
@@ -263,7 +264,7 @@ fn the_record_of_a_first_test_of_which_nothing_comes_is_kept() {
 
 #[test]
 fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
-    // The specimen is stiffer than was declared. The force channel cannot tell that from a load cell that reads too
+    // The specimen is stiffer than declared. The force channel cannot distinguish this from a load cell that reads too
     // much; the test that follows can.
     let folder = tempfile::tempdir().unwrap();
     let test = folder.path().join("stiffer.toml");
@@ -300,7 +301,7 @@ fn the_next_test_is_nearly_as_good_as_without_the_effect() {
         let rows = improve(&[&format!("examples/undeclared/{name}.toml")]);
         let row = &rows[0];
         let eps = |key: &str| row[key].as_f64().unwrap();
-        // Found, or said to be as good as what is preferred: a lag behind none that is declared is a second lag too.
+        // Named, or listed as an equal alternative: if no lag is declared, a lag error is also a second lag.
         let channels = row["diagnosis"]["channels"].as_array().unwrap();
         let named = |c: &Value| {
             let alternatives = c["alternatives"].as_array().unwrap();
@@ -329,8 +330,8 @@ fn a_rig_that_is_as_declared_is_left_alone() {
     assert_eq!(rows[0]["eps_rms_before"], rows[0]["eps_rms_after"]);
 }
 
-/// Friction and a late force keep the loop swinging where it should rest: that is no noise. With friction, lateness and lag known
-/// 1.25 % can be had.
+/// Friction and a late force keep the loop oscillating where it should be at rest: that is no noise. With friction, delay
+/// and lag known, 1.25 % can be reached.
 #[test]
 fn what_a_hunting_loop_hides_is_found_and_taken_out() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `outerloop keys` and `new`: the page is what the code says, and what they write is accepted.
+//! `outerloop keys` and `new`: the page matches the code, and what they write is accepted.
 
 use crate::common::{command, is_as_its_schema_says, json, outerloop, refused, root};
 use serde_json::Value;
@@ -241,7 +241,7 @@ fn a_new_test_file_runs() {
         output.status.success() && said.contains("Mass of a floor"),
         "{said}"
     );
-    // A wrong answer is asked for again: a word, another quantity, a file that is not there.
+    // A wrong answer is asked for again: a word, another quantity, a file that does not exist.
     assert_eq!(said.matches("Once more:").count(), 3, "{said}");
     let written = std::fs::read_to_string(&file).unwrap();
     for line in ["mass_kg = 2000", "stiffness_n_per_m = 300000"] {

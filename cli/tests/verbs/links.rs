@@ -1,10 +1,10 @@
-//! Links between the documents: each leads to a file that is there, and to a heading that it has.
+//! Links between the documents: each leads to an existing file, and to a heading in it.
 
 use crate::common::root;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// All pages of the repository that people read.
+/// All pages of the repository for readers.
 fn pages() -> Vec<PathBuf> {
     let folders = ["", "docs", "python", "core", "firmware", "examples", "exam"];
     let pages = folders
@@ -17,7 +17,7 @@ fn pages() -> Vec<PathBuf> {
         .collect()
 }
 
-/// A page without its fenced blocks, in which nothing is a link.
+/// A page without its fenced blocks, which contain no links.
 fn prose(page: &str) -> String {
     page.split("```").step_by(2).collect()
 }
@@ -30,7 +30,7 @@ fn links(page: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The anchor that a heading gets: small letters, blanks as hyphens, no signs.
+/// The anchor of a heading: lower case, spaces as hyphens, no punctuation.
 fn anchor(heading: &str) -> String {
     heading
         .trim_start_matches('#')
@@ -73,7 +73,7 @@ fn every_link_leads_to_a_file_and_a_heading_that_are_there() {
     assert!(seen > 60, "{seen}");
 }
 
-/// A page of the book links to nothing outside it: there it would lead nowhere.
+/// A page of the book has no links out of the book, where they would lead nowhere.
 #[test]
 fn the_book_has_every_page_of_docs_and_no_link_out_of_it() {
     let summary = fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();

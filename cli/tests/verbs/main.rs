@@ -1,4 +1,4 @@
-//! Each verb as people and scripts call it. One binary: those that keep up with a clock are beside it.
+//! Each verb as people and scripts call it, in one binary; tests that depend on real time are in others.
 #![allow(missing_docs)]
 
 #[path = "../common/mod.rs"]

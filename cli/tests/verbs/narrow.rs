@@ -6,8 +6,8 @@ use crate::common::narrow::{self, check, seen};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Verbs that print no table: scripts for a shell and for `man`; questions; what a test with a board or a client looks at
-/// (`board desk` and `board commission` fit by theirs).
+/// Verbs that print no table: scripts for a shell and for `man`; questions; what tests with a board or a client check
+/// (the width of `board desk` and `board commission` is checked there).
 const WITHOUT_TABLE: [&str; 7] = [
     "completions",
     "man",
@@ -18,7 +18,7 @@ const WITHOUT_TABLE: [&str; 7] = [
     "help",
 ];
 
-/// What the verbs print that a table or a sentence stands in; `o` is a folder in which nothing is.
+/// Commands with all tables and sentences that the verbs print; `o` is an empty folder.
 const LINES: [&str; 21] = [
     "demo",
     "run examples/table1.toml --out o/first",
@@ -43,7 +43,7 @@ const LINES: [&str; 21] = [
     "schema",
 ];
 
-/// What a terminal is told of a line; `o` is the folder.
+/// The output of a command on a terminal; `o` is the folder.
 fn told(folder: &Path, line: &str) -> (Option<i32>, String) {
     let inside = |word: &str| match word.strip_prefix("o/") {
         Some(rest) => folder.join(rest).display().to_string(),
@@ -73,7 +73,7 @@ fn every_verb_fits_a_terminal_of_80_columns() {
     let mut tried = BTreeSet::new();
     for line in LINES {
         let (status, text) = told(folder, line);
-        // A method that runs away is a result.
+        // A method that runs away is a valid result.
         assert!(matches!(status, Some(0 | 1)), "{line}: {text}");
         assert!(text.lines().count() > 1, "{line}: {text}");
         check(line, &text);

@@ -1,5 +1,5 @@
-//! No output is one of the inputs, whatever the verb, the option and the path's spelling; no record is replaced that cannot be
-//! made again.
+//! No output replaces an input, whatever the verb, the option and the spelling of the path; no record that cannot be made
+//! again is replaced.
 
 use crate::common::{command, outerloop};
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ const READ: [&str; 14] = [
     "<FIRST>",
 ];
 
-/// Every place that a verb writes to, with a command in which it is one of the inputs.
+/// Every place that a verb writes to, with a command in which it is also an input.
 const WRITTEN: [(&str, &str, &str); 20] = [
     ("run", "--out", "run o/record.csv --out o"),
     ("run", "--archive", "run table1.toml --archive table1.toml"),
@@ -97,7 +97,7 @@ const WRITTEN: [(&str, &str, &str); 20] = [
     ),
 ];
 
-/// What a verb writes that has no input, or a place that is never there before.
+/// Places written by a verb without input, or that never exist before.
 const WITHOUT_INPUT: [(&str, &str); 6] = [
     ("demo", "--out"),
     ("board identify", "--out"),
@@ -107,7 +107,7 @@ const WITHOUT_INPUT: [(&str, &str); 6] = [
     ("board desk", "--out"),
 ];
 
-/// A folder with a test, a model, a record and links under names that verbs write.
+/// A folder with a test, a model, a record, and links with names that verbs write.
 fn laboratory() -> tempfile::TempDir {
     let home = tempfile::tempdir().unwrap();
     let at = |name: &str| home.path().join(name);
@@ -158,7 +158,7 @@ fn in_folder(folder: &Path, line: &str) -> Output {
     command(&words).current_dir(folder).output().unwrap()
 }
 
-/// Everything in a folder, by its path.
+/// Everything in a folder, with its path.
 fn contents(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
     let mut all = Vec::new();
     let mut open = vec![folder.to_owned()];
@@ -179,7 +179,7 @@ fn contents(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
 #[test]
 fn no_verb_replaces_what_it_reads() {
     let home = laboratory();
-    // The problem's stiffness is read by a name that the report would take.
+    // The problem's stiffness is a link to a file that the report would replace.
     let stiffness = home.path().join("data/marths/K_matrix.csv");
     let before = contents(home.path());
     for (verb, option, line) in WRITTEN {
@@ -187,7 +187,7 @@ fn no_verb_replaces_what_it_reads() {
             fs::remove_file(&stiffness).unwrap();
             std::os::unix::fs::symlink("../../o/report.html", &stiffness).unwrap();
         }
-        // Also where records and files of another kind may be replaced.
+        // Even with `--force`, which allows replacing records and files of another kind.
         let output = in_folder(home.path(), &format!("{line} --force"));
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{line}: {said}");
@@ -203,7 +203,7 @@ fn no_verb_replaces_what_it_reads() {
             "{line} has changed something"
         );
     }
-    // However the path is spelt.
+    // For any spelling of the path.
     std::os::unix::fs::symlink("table1.toml", home.path().join("link.h5")).unwrap();
     for spelt in ["link.h5", "o/../table1.toml", "./table1.toml"] {
         let output = in_folder(home.path(), &format!("run table1.toml --archive {spelt}"));
@@ -316,7 +316,7 @@ fn a_record_that_cannot_be_made_again_is_not_replaced_unasked() {
     assert!(home.path().join("first/record.h5").exists());
 }
 
-/// A file that a person names by a slip may be a measurement: it is replaced by its own kind alone.
+/// A file named by mistake may be a measurement: only one of the same kind is replaced.
 #[test]
 fn a_file_of_another_kind_is_not_replaced_unasked() {
     let home = laboratory();

@@ -1,4 +1,4 @@
-//! The refusal of a command line or a file that cannot be used: one sentence each, exit status 2, nothing half written.
+//! The refusal of an unusable command line or file: one sentence each, exit status 2, nothing half written.
 
 use crate::common::{json, outerloop, refused};
 
@@ -37,7 +37,7 @@ fn bad_input_gets_one_sentence() {
         &["run", TABLE1, "--set", "structure.mass_kg=nan"],
         &["structure.mass_kg = NaN"],
     );
-    // An integration step has three keys, and the sentence names them all.
+    // An integration step is set by three keys, and the sentence names them all.
     refused(
         &["run", TABLE1, "--set", "loop.substeps=1000"],
         &[
@@ -158,12 +158,12 @@ fn a_bad_ground_motion_is_refused_with_its_line() {
     );
 }
 
-/// A test on a rig takes its time and its specimen: what cannot be kept is refused before it.
+/// A test on a rig costs time and a specimen: what cannot be saved is refused before it.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_place_that_cannot_be_written_is_refused_before_the_test() {
     for (option, place) in [("--out", "/proc/new"), ("--archive", "/proc/new.h5")] {
-        // The scope would say its address if the test began.
+        // The scope would print its address if the test began.
         let test = ["run", TABLE1, "--scope", "--duration", "2"];
         refused(
             &[&test[..], &[option, place]].concat(),

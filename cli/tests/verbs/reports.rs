@@ -1,4 +1,4 @@
-//! Who, when and with what in every answer; the reports of `check` and `monte-carlo`.
+//! The provenance in every result; the reports of `check` and `monte-carlo`.
 
 use crate::common::{json, json_with, outerloop};
 use serde_json::Value;
@@ -60,7 +60,7 @@ fn every_answer_in_json_says_who_when_and_with_what() {
     assert_eq!(files[0]["file"], archive.as_str());
 }
 
-/// The page of a folder: it needs nothing beside it, and no number in it has overflowed.
+/// The page of a folder: it needs no other files, and no number in it has overflowed.
 #[track_caller]
 fn page(folder: &Path, says: &[&str]) -> String {
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -123,7 +123,7 @@ fn many_tests_have_a_report_with_a_dot_each_and_a_line_each() {
         folder.path(),
         &["40 of 40 tests ran to their end", "The worst of them"],
     );
-    // Three pictures of 40 dots.
+    // Three plots of 40 dots.
     let paths = page
         .split(" d=\"")
         .skip(1)
@@ -162,7 +162,7 @@ fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
         let t_s = events[at]["t_s"].as_f64().unwrap();
         format!("{} since {t_s:.2} s", events[at]["state"].as_str().unwrap())
     };
-    // The last event has what had settled at the end of the test; its line says since when it has been so.
+    // The last event has the final state of the test; its line says since when this has been unchanged.
     let end = events.len() - 1;
     for at in 0..end {
         let line = format!("<li>{}", since(at));
@@ -176,10 +176,10 @@ fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
         page.contains("delay_error of the actuator")
             && page.contains("; delay_error is corrected for by ")
     );
-    // The record behind the name is diagnosed, too, and the sentence says what came of it.
+    // The record behind the name is also diagnosed, and the sentence gives the result.
     let diagnosis = &ran["watch"]["diagnosis"];
     assert!(page.contains(diagnosis["sentence"].as_str().unwrap()));
-    // A test in which nothing was to be said has no such part.
+    // A test without events has no such section.
     let sound = arguments("examples/table1.toml").1;
     assert!(!sound.contains("What the watch saw"));
 }

@@ -18,7 +18,7 @@ fn completions_and_the_man_page_know_every_verb() {
         out.status.success() && text.contains(".TH outerloop 1"),
         "{text}"
     );
-    // Pages that are none are not named.
+    // References to separate pages do not occur.
     assert!(!text.contains("outerloop\\-"), "{text}");
     for verb in [
         "OUTERLOOP RUN",
@@ -28,6 +28,6 @@ fn completions_and_the_man_page_know_every_verb() {
     ] {
         assert!(text.contains(&format!(".SH \"{verb}\"")), "{verb}");
     }
-    // Options of a verb within a verb.
+    // Options of a verb below another verb.
     assert!(text.contains("\\-\\-deviate"), "{text}");
 }

@@ -1,4 +1,4 @@
-//! `outerloop sweep`: one row a test, the same figures as `run`, drawn rigs, mistakes by name.
+//! `outerloop sweep`: one row per test, the same figures as `run`, drawn rigs, errors that name the cause.
 
 use crate::common::{command, json, outerloop, refused, send_signal};
 use std::process::Stdio;

@@ -1,12 +1,12 @@
-//! The tutorial's commands, run as they stand, print the figures that it shows: all of them without any data of others, and
-//! those on the published record where it is.
+//! The tutorial's commands, run as they are, print the figures on the page: all of them without third-party data, and
+//! those on the published record if it is available.
 
 use crate::common::root;
 use crate::documents::blocks;
 use std::path::Path;
 use std::process::Command;
 
-/// A command and the lines that it is shown to print.
+/// A command and its printed lines on the page.
 struct Step<'a> {
     command: &'a str,
     printed: Vec<&'a str>,
@@ -14,13 +14,13 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// It reads third-party data.
+    /// True if it reads third-party data.
     fn is_on_data(&self) -> bool {
         self.command.contains("$DATA")
     }
 }
 
-/// The blocks marked `console`: a command behind `$ `, what it prints below; `...` stands for lines left out.
+/// The blocks marked `console`: a command after `$ `, its output below; `...` stands for omitted lines.
 fn steps(page: &str) -> Vec<Step<'_>> {
     let mut steps: Vec<Step<'_>> = Vec::new();
     for line in blocks(page, "console").into_iter().flatten() {
@@ -40,7 +40,7 @@ fn steps(page: &str) -> Vec<Step<'_>> {
     steps
 }
 
-/// Writes the files that the page shows: blocks marked `toml` whose first line is a comment with a name.
+/// Writes the files on the page: blocks marked `toml` whose first line is a comment with a name.
 fn write_files(page: &str, folder: &Path) {
     for block in blocks(page, "toml") {
         let name = block[0].strip_prefix("# ").expect("the name of the file");
@@ -48,12 +48,12 @@ fn write_files(page: &str, folder: &Path) {
     }
 }
 
-/// Words of a line; how far they stand apart depends on the terminal.
+/// Words of a line; their spacing depends on the terminal.
 fn words(line: &str) -> Vec<&str> {
     line.split_whitespace().collect()
 }
 
-/// The exit status of a step and what it prints.
+/// The exit status of a step and its output.
 fn outcome(step: &Step<'_>, folder: &Path, data: &Path) -> (Option<i32>, String) {
     let arguments = step
         .command

@@ -1,8 +1,8 @@
-//! A controller from outside, judged by its table of commands.
+//! An external controller, judged by its table of commands.
 
 use crate::document::{Document, table};
 
-/// What the table came to: each criterion's meaning, and its figure.
+/// The result of the table: the meaning and the figure of each criterion.
 pub fn of_followed<'a>(
     lead: String,
     figures: impl Iterator<Item = (&'a str, String)>,

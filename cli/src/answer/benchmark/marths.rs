@@ -13,10 +13,10 @@ use benchmarks::marths::trial::MarthsTrace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
 use experiment::failure::Failure;
 
-/// What the loop's record of a ground motion says of the declared part.
+/// The estimate of the declared part from the loop's record of a ground motion.
 pub type DeclaredPart<'a> = (&'a MarthsRecord, PhysicalPartEstimate);
 
-/// For each ground motion who tracks best, a closer look and the table; then what J7 hides.
+/// For each ground motion the best tracker, a close-up and the table; then what J7 hides.
 ///
 /// # Errors
 /// A structure that cannot be integrated.
@@ -41,7 +41,7 @@ pub fn of_marths(
             close_up_section(&mut d, problem, record, seed)?;
         }
         d.say(format!("\n{}", floors(&group[0])));
-        // Of what does not fit, the strokes as read go first: the true ones stand beside them.
+        // If the table does not fit, the measured strokes are left out first, since the true ones are next to them.
         let standings = table(&HEAD).least_important(&[1, 6, 3]);
         d.table(standings.with_rows(group.iter().map(cells)));
     }
@@ -60,8 +60,8 @@ pub fn of_marths(
     Ok(d)
 }
 
-/// Whose true strokes come nearest to their targets on the worst of the drawn plants; where none was drawn, on the nominal
-/// one.
+/// The controller whose true strokes are nearest to their targets on the worst drawn plant; without drawn plants, on the
+/// nominal one.
 fn verdict(d: &mut Document, rows: &[MarthsRow]) {
     let error = |r: &MarthsRow| match r.worst.perturbed {
         0 => r.j.j2_true,
@@ -88,7 +88,7 @@ fn verdict(d: &mut Document, rows: &[MarthsRow]) {
     }
 }
 
-/// The published adaptive controller and core's on the nominal plant, around the largest displacement.
+/// The published adaptive controller and that of core on the nominal plant, around the largest displacement.
 fn close_up_section(
     d: &mut Document,
     problem: &Problem,
@@ -108,7 +108,7 @@ fn close_up_section(
     Ok(())
 }
 
-/// Half of the closer look, s.
+/// Half the width of the close-up, s.
 const HALF_LOOK_S: f64 = 1.5;
 
 fn draw_close_up(d: &mut Document, record: &MarthsRecord, [rodeac, coupled]: &[MarthsTrace; 2]) {

@@ -1,4 +1,5 @@
-//! What the declared physical part of the multi-axial problem is, what the loop's own record says of it, and what it costs.
+//! The declared physical part of the multi-axial problem, its diagnosis from the loop's own record, and the effect of its
+//! errors.
 
 use benchmarks::marths::PERIOD_S;
 use benchmarks::marths::bench::{MarthsRecord, Problem};
@@ -11,22 +12,22 @@ use experiment::failure::Failure;
 use experiment::files::{coupled, model};
 use std::path::Path;
 
-/// What the loop's record of a ground motion says of the declared part.
+/// The estimate of the declared part from the loop's record of a ground motion.
 pub struct PhysicalPartEstimate {
     /// The whole record of core's tracker on the nominal plant, raw readings, noise included.
     pub record: CoupledRecord,
-    /// What is wrong in what was declared.
+    /// The errors of the declaration.
     pub diagnosis: CoupledDiagnosis,
-    /// J7's floor as declared, and with one part after the other as it was found.
+    /// J7's floor as declared, and with the matrices successively as found.
     pub floors: Vec<Floor>,
 }
 
-/// Tolerance of an entry, as a share of the mean of its two diagonal entries.
+/// Tolerance of an entry, as a share of the geometric mean of its two diagonal entries.
 const TOLERANCE: f64 = 0.05;
-/// Share of the record that is searched; the rest is held out.
+/// Share of the record used for the search; the rest is held out.
 const SEARCHED: f64 = 0.5;
 
-/// A part as a model declares it.
+/// A part, declared as a model.
 pub fn specimen(part: &PhysicalMatrices) -> CoupledSpecimen {
     let matrix = |kind: MatrixKind| {
         let m = part.matrix(kind);
@@ -78,7 +79,7 @@ pub fn load(path: &Path) -> Result<PhysicalMatrices, Failure> {
 /// A part as the text of a model file.
 ///
 /// # Errors
-/// None that a part can have.
+/// None for any part.
 pub fn to_toml(part: &PhysicalMatrices) -> Result<String, Failure> {
     model::to_toml(&Model {
         coupled: Some(specimen(part)),
@@ -91,7 +92,7 @@ fn refused(why: benchmarks::Refused) -> Failure {
 }
 
 impl PhysicalPartEstimate {
-    /// Runs the trial, diagnoses its record, and works the floors out.
+    /// Runs the trial, diagnoses its record, and computes the floors.
     ///
     /// # Errors
     /// A record that cannot be judged; a structure that cannot be integrated.
@@ -141,13 +142,13 @@ impl PhysicalPartEstimate {
         })
     }
 
-    /// The record as a file.
+    /// The record as CSV.
     pub fn csv(&self, problem: &Problem) -> String {
         coupled::to_csv(&specimen(&problem.part), &self.record)
     }
 }
 
-/// The part as declared, and with one matrix after the other as found.
+/// The part as declared, and with further matrices as found.
 fn steps(
     declared: &PhysicalMatrices,
     found: &PhysicalMatrices,

@@ -13,10 +13,10 @@ use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow};
 use experiment::failure::Failure;
 
-/// The published controller, for the pictures.
+/// The published controller, for the plots.
 const BASELINE: &str = "pi-phase-lead";
 
-/// The standings, a summary of each ground motion, a closer look at case 4, all criteria.
+/// The standings, a summary of each ground motion, a close-up of case 4, all criteria.
 ///
 /// # Errors
 /// A controller that core refuses.
@@ -107,7 +107,7 @@ fn close_up_section(
     Ok(())
 }
 
-/// Half of the closer look, s.
+/// Half the width of the close-up, s.
 const HALF_LOOK_S: f64 = 1.0;
 
 fn draw_close_up(

@@ -1,4 +1,4 @@
-//! What happens to a board in the middle of a test, and what it has to leave.
+//! Incidents in the middle of a test on a board, and the state that each must lead to.
 
 use super::{DeskRow, STOPPED_STEPS, calibration, configure, experiment, forget, give_up, pass};
 use crate::board::connection::BoardConnection;
@@ -11,32 +11,32 @@ use link::status::{CrashCause, StartCause, Status};
 use outerloop_core::{Event, Fault, Mode};
 use serde::{Deserialize, Serialize};
 
-/// A board that says nothing of a reset for so many steps has not been reset: half a minute, for a person to find the button.
+/// A board that has not restarted within this many steps was not reset: half a minute, for a person to find the button.
 const RESET_STEPS: u32 = 60_000;
 
-/// Within so many looks at the telemetry, some milliseconds each, a test of the desk stands at its start, and runs.
+/// Reads of the telemetry, some milliseconds each, within which the desk's test stands at its start, or runs.
 const REACHED_STEPS: u32 = 10_000;
 
 /// What is done to a board from outside in the middle of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Incident {
-    /// A drill of the firmware, by a write into its memory.
+    /// A drill of the firmware, started by a write into its memory.
     Drill(u32),
     /// The reset pin.
     Reset,
 }
 
-/// What an incident has to leave.
+/// What an incident must lead to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaves {
-    /// The board starts again, and says how, and of what it died.
+    /// The board restarts, and reports how and why it crashed.
     Start(StartCause, Option<CrashCause>),
-    /// It runs on, and has tripped.
+    /// The board does not restart, and has tripped.
     Trip(Fault),
 }
 
-/// What can happen, with what each has to leave.
+/// All incidents, with what each must lead to.
 pub const INCIDENTS: [(Incident, &str, Leaves); 9] = [
     (
         Incident::Drill(1),
@@ -85,7 +85,7 @@ pub const INCIDENTS: [(Incident, &str, Leaves); 9] = [
     ),
 ];
 
-/// A running test in which `happens` comes, while it listens to the board; how the board is behind it.
+/// Runs a test, applies the incident with `happens`, and reports the board's state afterwards.
 pub fn row(
     board: &mut BoardConnection,
     (incident, name, leaves): (Incident, &str, Leaves),
@@ -140,7 +140,7 @@ fn said(now: &Status) -> String {
     )
 }
 
-/// Arms and starts the test of the desk.
+/// Arms and starts the desk's test.
 fn run_until_moving(board: &mut BoardConnection) -> Result<(), Failure> {
     let experiment = experiment(4.0, 2000)?;
     let codes = identify(board)?.codes;
@@ -178,7 +178,7 @@ fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Re
     ))
 }
 
-/// Until the steps count from zero again.
+/// Waits until the step count starts from zero again.
 fn until_reset(board: &mut BoardConnection) -> Result<(), Failure> {
     let (mut last, mut seen) = (0, 0);
     while seen < RESET_STEPS {

@@ -1,4 +1,4 @@
-//! Tables of targets with commands to be filled in: `--targets` writes one, `--follow` reads one back.
+//! Tables of targets with commands to be filled in: `--targets` writes one, `--follow` reads it back.
 
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
@@ -6,16 +6,16 @@ use experiment::files::table::NumberTable;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Columns of targets by their names, m, one value a sample.
+/// Columns of targets with their names, m, one value per sample.
 pub(super) type TargetColumns<'a> = [(&'a str, Vec<f64>)];
 
 /// The first two columns of a table.
 const HEAD: &str = "time_s,target_m";
 
-/// That a table can be written there, and replaces nothing but another one.
+/// Checks that a table can be written there and replaces only another table of targets.
 ///
 /// # Errors
-/// A place that cannot be written, a file that is there and is no table of targets.
+/// A place that cannot be written; an existing file that is no table of targets.
 pub(super) fn will_write(file: Option<&Path>) -> Result<(), Failure> {
     let own = |text: &str| {
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -24,7 +24,7 @@ pub(super) fn will_write(file: Option<&Path>) -> Result<(), Failure> {
     look_ahead::file_of_kind(file, "table of targets", own)
 }
 
-/// The table: a comment, a head, and a row a sample with commands of 0.
+/// The table: a comment, a header, and a row per sample with commands of 0.
 pub(super) fn text(
     comment: &str,
     rate_hz: f64,
@@ -49,10 +49,10 @@ pub(super) fn text(
     text
 }
 
-/// The commands of a table, whose targets have to be those that were given.
+/// The commands of a table, whose targets must be the given ones.
 ///
 /// # Errors
-/// A file that cannot be read, a column that is missing, another target.
+/// A file that cannot be read; a missing column; a different target.
 pub(super) fn commands(
     file: &Path,
     targets: &TargetColumns<'_>,

@@ -81,10 +81,10 @@ pub(super) struct Marths {
 }
 
 impl Marths {
-    /// Runs it.
+    /// Runs the benchmark.
     ///
     /// # Errors
-    /// Bad input, or files of the problem that are not there.
+    /// Bad input; missing files of the problem.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let records = self.names()?;
         let files = ["report.html", "marths.json", "declared.toml"].map(str::to_owned);
@@ -185,7 +185,7 @@ impl Marths {
         .map_err(refused)
     }
 
-    /// What the structure does under a ground motion of the problem.
+    /// The structure's response to a ground motion of the problem.
     fn record(&self, problem: &Problem, name: &str) -> Result<MarthsRecord, Failure> {
         let file = format!("ground-motion/RTHSBENCH_{name}.csv");
         let file = data_file(self.data.as_deref(), &file);
@@ -213,7 +213,7 @@ impl Marths {
     }
 }
 
-/// The file of what a ground motion did to the loop.
+/// The file of the loop's record under a ground motion.
 fn of_record(name: &str) -> String {
     format!("record-{name}.csv")
 }

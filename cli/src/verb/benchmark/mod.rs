@@ -1,4 +1,4 @@
-//! `outerloop benchmark`: the benchmark problems of the field, one file a problem.
+//! `outerloop benchmark`: the benchmark problems of the field, one file per problem.
 
 mod command_table;
 mod followed;
@@ -28,7 +28,7 @@ enum Problem {
 }
 
 impl Benchmark {
-    /// Runs it.
+    /// Runs the chosen problem.
     ///
     /// # Errors
     /// Bad input.

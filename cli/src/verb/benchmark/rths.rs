@@ -91,11 +91,11 @@ pub(super) struct Rths {
     out: Option<PathBuf>,
 }
 
-/// Rows of a bench, and of each specimen that yields beside it.
+/// Rows of a benchmark, and of each yielding specimen run in addition.
 type Trials = (Vec<RthsRow>, Vec<Vec<RthsRow>>);
 
 impl Rths {
-    /// Runs it.
+    /// Runs the benchmark.
     ///
     /// # Errors
     /// Bad input.
@@ -170,7 +170,7 @@ impl Rths {
         named.map(|c| c.map_err(refused)).collect()
     }
 
-    /// The rows of `bench`, and those of the nominal rig with each specimen `beside` it.
+    /// The rows of `bench`, and those of the nominal rig with each further specimen in `beside`.
     fn trials(&self, bench: &Benchmark<'_>, beside: &[Behaviour]) -> Result<Trials, Failure> {
         let plants = 1 + self.plants + beside.len();
         let trials = bench.records.len() * CASES.len() * bench.contestants.len() * plants;

@@ -1,4 +1,4 @@
-//! What both benchmarks need.
+//! Shared by both benchmarks.
 
 use crate::terminal::{Progress, interrupt};
 use experiment::failure::Failure;
@@ -13,7 +13,7 @@ pub(super) fn refused(why: benchmarks::Refused) -> Failure {
 /// The ground motions of both problems.
 pub(super) const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
 
-/// Tells a bar of trials that are done; work goes on until Ctrl-C.
+/// Advances the progress bar by completed trials; work goes on until Ctrl-C.
 pub(super) fn tell(progress: &Progress, trials: usize) -> ControlFlow<()> {
     progress.add(trials as u64);
     match interrupt::asked() {
@@ -22,7 +22,7 @@ pub(super) fn tell(progress: &Progress, trials: usize) -> ControlFlow<()> {
     }
 }
 
-/// That there is something to report.
+/// Checks that there is something to report.
 pub(super) fn require_some(rows: usize) -> Result<(), Failure> {
     match rows {
         0 => Err(Failure::test(
@@ -32,7 +32,7 @@ pub(super) fn require_some(rows: usize) -> Result<(), Failure> {
     }
 }
 
-/// Refuses more drawn plants than anybody waits for.
+/// Refuses an unreasonable number of drawn plants.
 pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
     if plants > 1000 {
         let sentence = format!("--plants {plants}: accepted are 0 to 1000");
@@ -41,8 +41,8 @@ pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where a third-party file should be, by its path in the folder of data: as given, else `OUTERLOOP_DATA`, else beside the
-/// checkout.
+/// Location of a third-party file, by its path in the data folder: the given folder, else `OUTERLOOP_DATA`, else next to
+/// the checkout.
 pub(super) fn data_file(given: Option<&Path>, path: &str) -> PathBuf {
     let folder = given.map(Path::to_owned).unwrap_or_else(|| {
         std::env::var_os("OUTERLOOP_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from)

@@ -1,4 +1,4 @@
-//! `outerloop board commission`: one actuator after the other, each alone.
+//! `outerloop board commission`: each actuator alone, one after the other.
 
 use crate::board::Trajectory;
 use crate::document::{Document, table};
@@ -57,7 +57,7 @@ pub(super) struct Commission {
     scope: Scoped,
 }
 
-/// A shape that the board makes by itself, or a file.
+/// A shape that the board generates, or a file.
 #[derive(Clone, Debug)]
 enum Wanted {
     Constant,
@@ -105,14 +105,14 @@ impl Commission {
         }))
     }
 
-    /// Moves what is to be moved and keeps what came.
+    /// Moves the actuators and writes the recordings.
     ///
     /// # Errors
-    /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot be
-    /// written.
+    /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot
+    /// be written.
     pub(super) fn run(&self) -> Result<(), Failure> {
         look_ahead::new_record(&self.out)?;
-        // Of several actuators.
+        // For several actuators.
         for actuator in 0..link::MAX_ACTUATORS {
             look_ahead::new_record(&self.numbered(actuator))?;
         }
@@ -129,14 +129,14 @@ impl Commission {
         let mut found = Vec::new();
         let played = place.commission(&test, &trajectory, wanted, self.seed, &mut scope, |turn| {
             found.push(self.keep(&turn)?);
-            // Of several each is kept as soon as it is there: the next one may trip.
+            // With several actuators each recording is written at once: the next one may trip.
             if turn.of > 1 {
                 let text = toml::to_string(&Actuators { actuator: &found })
                     .map_err(|e| Failure::test(format!("what was found cannot be written: {e}")))?;
                 let file = self.sibling_file("-actuators.toml");
                 match found.len() {
                     1 => output::write(&file, &text)?,
-                    // What it has written itself a moment ago.
+                    // The file that this run itself has just written.
                     _ => output::write_back(&file, &text)?,
                 }
             }
@@ -151,19 +151,19 @@ impl Commission {
         played
     }
 
-    /// A file beside the recording.
+    /// A file next to the recording.
     fn sibling_file(&self, ending: &str) -> PathBuf {
         let stem = self.out.file_stem().unwrap_or_default().to_string_lossy();
         self.out.with_file_name(format!("{stem}{ending}"))
     }
 
-    /// The recording of one of several actuators, from 0.
+    /// The recording of one of several actuators, numbered from 0.
     fn numbered(&self, actuator: usize) -> PathBuf {
         let ending = self.out.extension().unwrap_or_default().to_string_lossy();
         self.sibling_file(&format!("-{}.{ending}", actuator + 1))
     }
 
-    /// Keeps a recording; what the actuator is by it.
+    /// Writes a recording and identifies its actuator.
     fn keep(&self, turn: &MovedActuator) -> Result<FoundActuator, Failure> {
         let number = turn.actuator + 1;
         let file = match turn.of {
@@ -172,7 +172,7 @@ impl Commission {
         };
         output::write(&file, &turn.played.text)?;
         println!("{} steps are in {}.", turn.played.steps, file.display());
-        // A constant and a sine tell too little of an actuator.
+        // A constant and a sine are not informative enough.
         let tells = !matches!(self.signal, Wanted::Constant | Wanted::Sine);
         let identified = if tells && turn.of > 1 && turn.played.early.is_none() {
             diagnosis::identify(&turn.played.recording()?).ok()
@@ -189,7 +189,7 @@ impl Commission {
     }
 }
 
-/// What stands against going on to the next actuator.
+/// The reason not to go on to the next actuator.
 fn wrong(turn: &MovedActuator) -> Result<(), Failure> {
     let suspicion = turn.played.suspicion.as_deref();
     match (&turn.played.early, suspicion) {
@@ -204,26 +204,26 @@ fn wrong(turn: &MovedActuator) -> Result<(), Failure> {
     }
 }
 
-/// What was found of an actuator.
+/// What was identified of an actuator.
 #[derive(Serialize)]
 struct FoundActuator {
     /// From 1.
     number: usize,
     /// Its recording.
     file: PathBuf,
-    /// Force on each actuator over the displacement of this one, N/m; 0 where none answered.
+    /// Force on each actuator over the displacement of this one, N/m; 0 where no force responded.
     stiffness_n_per_m: Vec<f64>,
     #[serde(flatten)]
     identified: Option<Identified>,
 }
 
-/// The file of all of them.
+/// The file of all actuators.
 #[derive(Serialize)]
 struct Actuators<'a> {
     actuator: &'a [FoundActuator],
 }
 
-/// As a table, beside the declared stiffness of the storeys.
+/// A table, with the declared stiffness of the storeys.
 fn of_actuators(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> Document {
     let names = ["actuator", "gain", "delay, ms", "lag, ms", "offset, mm"].map(str::to_owned);
     let forces = (1..=found.len()).map(|j| format!("force {j}, kN/mm"));
@@ -252,7 +252,7 @@ fn of_actuators(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> Document {
     d
 }
 
-/// What the test file says of these actuators' times; `None` where one of them was not identified.
+/// The lines for the test file with these actuators' times; `None` if one of them was not identified.
 fn for_the_test_file(found: &[FoundActuator]) -> Option<String> {
     let each: Option<Vec<_>> = found.iter().map(|f| f.identified.as_ref()).collect();
     let each: Vec<_> = each?

@@ -1,4 +1,4 @@
-//! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
+//! `outerloop board desk`: everything that a bare board with four wires can show, on one page.
 
 use crate::answer::of_desk;
 use crate::board::desk::incident::{self, INCIDENTS, Incident};
@@ -50,7 +50,7 @@ pub(super) struct Desk {
     out: PathBuf,
 }
 
-/// What is written.
+/// The files written.
 const FILES: [&str; 2] = ["report.html", "desk.json"];
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -61,7 +61,7 @@ fn seconds(text: &str) -> Result<f64, String> {
         .ok_or("accepted are 0.1 to 86400 s".into())
 }
 
-/// An image that four wires make a rig, by its name.
+/// An image whose board four wires turn into a rig, by its name.
 fn image(name: &str) -> Result<Image, String> {
     let images = [Image::Internal, Image::External];
     let named = images.into_iter().find(|image| image.name() == name);
@@ -81,10 +81,10 @@ pub struct DeskAnswer<'a> {
 }
 
 impl Desk {
-    /// Goes through it.
+    /// Fills the page row by row.
     ///
     /// # Errors
-    /// A board that is silent, has another image or somebody has calibrated; a row that is not as it has to be.
+    /// A board that is silent, has another image or is already calibrated; a row that fails.
     pub(super) fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(Some(&self.out), &FILES)?;
         let out = out.unwrap_or_else(|| self.out.clone());
@@ -132,7 +132,7 @@ impl Desk {
         Ok(Connection::new(port, Timeouts::BOARD))
     }
 
-    /// What was flashed and what answers may be two boards.
+    /// The flashed board and the one that responds may differ.
     fn refuse_another_image(&self, own: &Identity) -> Result<(), Failure> {
         if let Some(image) = self.image.filter(|image| image.codes() != own.codes) {
             return Err(Failure::input(format!(
@@ -144,7 +144,7 @@ impl Desk {
         Ok(())
     }
 
-    /// A board that somebody has calibrated may have a rig; and a person knows what is connected.
+    /// A calibrated board may have a rig; and a person knows what is connected.
     fn refuse_what_is_no_desk(&self, board: &mut BoardConnection) -> Result<(), Failure> {
         if status(board)?.calibrated && !look_ahead::is_forced() {
             return Err(Failure::input(
@@ -171,7 +171,7 @@ impl Desk {
         methods: &[Method],
     ) -> Result<Vec<DeskRow>, Failure> {
         let mut rows = vec![
-            // The slower one last: the tests behind it run at that rate, too.
+            // The slower rate last: the tests after it run at that rate, too.
             desk::idle(&mut board, desk::fastest_hz(own), self.seconds),
             desk::idle(&mut board, 2000, self.seconds),
         ];
@@ -199,7 +199,7 @@ impl Desk {
         names.map(|name| experiment::method(name)).collect()
     }
 
-    /// Each on a board of its own, or one after the other on the one at the port.
+    /// Each incident on a new emulated board, or one after the other on the board at the port.
     fn incidents(&self) -> Result<Vec<DeskRow>, Failure> {
         let mut rows = Vec::new();
         for expected in INCIDENTS {
@@ -215,7 +215,7 @@ impl Desk {
                 (probe, _) => {
                     let mut board = self.connect(Some(incident))?;
                     incident::row(&mut board, expected, |incident, board| match probe {
-                        // The laboratory of the emulated board does it by itself.
+                        // The emulated board's laboratory applies it by itself.
                         None => Ok(()),
                         Some(program) => by_probe(program, incident, board),
                     })
@@ -226,7 +226,7 @@ impl Desk {
     }
 }
 
-/// A probe takes its time, and a board that hears nothing from the PC for half a second gives it up.
+/// Listens to the board while the probe runs: a board that hears nothing from the PC for half a second gives it up.
 fn by_probe(
     program: &std::path::Path,
     incident: Incident,

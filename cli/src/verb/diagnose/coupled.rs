@@ -1,4 +1,4 @@
-//! `outerloop diagnose` of a specimen of several coordinates.
+//! `outerloop diagnose` for a specimen with several coordinates.
 
 use super::{Diagnose, hand_over, json};
 use crate::answer::of_coupled;
@@ -14,7 +14,7 @@ impl Diagnose {
     /// Diagnoses the table `[coupled]` of a model.
     ///
     /// # Errors
-    /// Data that cannot be judged; an option that means nothing here.
+    /// Data that cannot be judged; an option that does not apply here.
     pub(super) fn several(
         &self,
         declared: &CoupledSpecimen,
@@ -67,7 +67,7 @@ impl Diagnose {
     }
 }
 
-/// What a saved model is, truthfully.
+/// An accurate name for a saved model.
 fn saved(d: &CoupledDiagnosis) -> &'static str {
     let right = |v: CoupledVerdict| matches!(v, CoupledVerdict::None | CoupledVerdict::Unknown);
     if d.coordinates.iter().all(|c| right(c.verdict)) {

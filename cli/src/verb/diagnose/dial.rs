@@ -1,4 +1,4 @@
-//! `diagnose --dial`: records in which one thing of the rig was turned.
+//! `diagnose --dial`: records at different settings of one adjustment of the rig.
 
 use super::Diagnose;
 use crate::terminal;
@@ -6,14 +6,14 @@ use diagnosis::{Diagnosis, Dose, Model, Turned, turned};
 use experiment::failure::Failure;
 use experiment::files::measured::RecordFiles;
 
-/// Fewer settings go one way by chance.
+/// Fewer settings may show a trend by chance.
 const FEWEST: usize = 3;
 
 impl Diagnose {
-    /// How the names go with the dial; `None` where none was turned.
+    /// How the named parameters follow the dial; `None` without a dial.
     ///
     /// # Errors
-    /// Fewer than three settings, one twice, a record that cannot be used.
+    /// Fewer than three settings; a repeated setting; a record that cannot be used.
     pub(super) fn turned(
         &self,
         declared: &Model,

@@ -1,13 +1,13 @@
-//! `VALUE=FILE[@T0..T1]`: a setting of a dial, and the record of it.
+//! `VALUE=FILE[@T0..T1]`: a setting of a dial and its record.
 
 use experiment::files::measured::FilePart;
 
-/// Where the dial stood, and the record of it.
+/// The setting of a dial and its record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DialArgument {
-    /// Where it stood, in its own unit.
+    /// The setting, in the dial's own unit.
     pub at: f64,
-    /// What was recorded then.
+    /// Its record.
     pub part: FilePart,
 }
 

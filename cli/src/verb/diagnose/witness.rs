@@ -1,4 +1,4 @@
-//! `diagnose --witness`: channels that took no part are asked whether they show what was named.
+//! `diagnose --witness`: unused channels are checked for what was named.
 
 use super::Diagnose;
 use crate::answer::Witness;
@@ -12,12 +12,12 @@ use std::path::Path;
 /// Training and held-out records.
 type Sets<T> = [Vec<T>; 2];
 
-/// What a witness read beside each record, `None` where it does not cover it.
+/// The witness values at the times of each record; `None` where it does not cover the record.
 pub(super) type Read = Sets<Option<Vec<f64>>>;
 
 impl Diagnose {
-    /// What each witness read beside the records. A channel of the records that is a witness is taken out of them, and of what the
-    /// files hold before them.
+    /// Reads each witness at the times of the records. A channel of the records that is itself a witness is removed from
+    /// them, and from their data before the span.
     ///
     /// # Errors
     /// A witness that cannot be read, that covers no record of one of the sets, or that the declared model needs.
@@ -29,7 +29,7 @@ impl Diagnose {
         let one = |witness: &WitnessColumn| {
             let read = witness.read(&self.columns)?;
             let refuse = |why: &str| Failure::input(format!("--witness {witness}: {why}"));
-            // Another file stands beside every record; one that is judged, beside its own alone.
+            // A separate file applies to every record; a file that is also judged, only to its own records.
             let own_file = |part: &FilePart| same_file(&part.file, &witness.file);
             let is_judged = self.train.iter().chain(&self.test).any(own_file);
             let [train, test] = [&sets[0], &sets[1]].map(|records| -> Vec<_> {
@@ -63,7 +63,7 @@ impl Diagnose {
         self.witness.iter().map(one).collect()
     }
 
-    /// What each witness says.
+    /// The testimony of each witness.
     pub(super) fn heard(
         &self,
         declared: &Model,
@@ -106,7 +106,8 @@ fn same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Takes a witness out of the record where it is one of its channels; says which it is where the declared model needs it.
+/// Removes a witness from the record if it is one of its channels; gives the channel's name if the declared model needs
+/// it.
 fn taken_out(declared: &Model, record: &mut Recording, read: &[f64]) -> Option<&'static str> {
     let is = |own: &Option<Vec<f64>>| own.as_ref().is_some_and(|own| is_one(own, read));
     if is(&record.displacement_mm) {
@@ -132,7 +133,7 @@ fn taken_out(declared: &Model, record: &mut Recording, read: &[f64]) -> Option<&
     None
 }
 
-/// Whether two channels are one, whatever unit each was read in.
+/// Whether two channels are the same up to their units.
 fn is_one(own: &[f64], read: &[f64]) -> bool {
     let sums = own.iter().zip(read).fold([0.0; 3], |[a, b, c], (x, y)| {
         [a + x * x, b + x * y, c + y * y]

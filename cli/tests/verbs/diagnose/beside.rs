@@ -1,4 +1,4 @@
-//! Channels that took no part, and records in which one thing was turned, asked what they say of a name.
+//! Unused channels, and records at different settings of one adjustment, as evidence for a name.
 
 use super::laboratory::{Laboratory, channel, outerloop};
 use serde_json::Value;
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 const FRICTION: &str =
     "[[plant.effects]]\nname = \"coulomb_friction\"\nforce_n = 400\npresliding_mm = 0.1\n";
 
-/// A file of its own with the record's time and a channel made of its displacement, mm, and speed, mm/s.
+/// A separate file with the record's time and a channel computed from its displacement, mm, and velocity, mm/s.
 fn witness(lab: &Laboratory, name: &str, of: impl Fn(f64, f64) -> f64) -> String {
     let text = std::fs::read_to_string(lab.record()).unwrap();
     let mut lines = text.lines();
@@ -23,7 +23,7 @@ fn witness(lab: &Laboratory, name: &str, of: impl Fn(f64, f64) -> f64) -> String
             ]
         })
         .collect();
-    // Over twenty samples: the reading has noise.
+    // Over twenty samples, since the reading has noise.
     let speed = |i: usize| {
         let (a, b) = (
             rows[i.saturating_sub(10)],
@@ -39,7 +39,7 @@ fn witness(lab: &Laboratory, name: &str, of: impl Fn(f64, f64) -> f64) -> String
     lab.path(name)
 }
 
-/// What the first testimony of the first witness says.
+/// The first testimony of the first witness.
 fn said(lab: &Laboratory, witness: &str) -> Value {
     let output = lab.halves(
         &lab.path("model.toml"),
@@ -77,7 +77,7 @@ fn a_pressure_that_turns_over_with_the_speed_speaks_for_friction_and_one_of_the_
     let low = heard["share_ci90"][0].as_f64().unwrap();
     assert!(low > 0.4 && low < heard["share"].as_f64().unwrap());
 
-    // The noise of the reading is what the motion leaves.
+    // The motion leaves the noise of the reading.
     let motion = witness(&lab, "motion.csv", |x, v| 12.0 + 0.3 * x + 0.02 * v);
     let heard = said(&lab, &format!("{motion}:2"));
     assert_eq!(heard["says"], "nothing", "{heard}");
@@ -139,7 +139,7 @@ fn the_friction_follows_the_dial_of_a_brake_and_nothing_else_does() {
     for force_n in ["200", "400", "800"] {
         let own = lab.path(force_n);
         let test = lab.path("test.toml");
-        // The one effect of the file, by its place.
+        // The only effect of the file, by its index.
         let set = format!("plant.effects.0.force_n={force_n}");
         let run = outerloop(&["run", &test, "--set", &set, "--out", &own]);
         assert!(

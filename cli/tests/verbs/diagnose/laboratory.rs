@@ -45,7 +45,7 @@ pub fn outerloop(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A folder with a model, and a record of a test on a rig with `effect`.
+/// A folder with a model, and the record of a test on a rig with `effect`.
 pub struct Laboratory {
     folder: tempfile::TempDir,
 }
@@ -58,7 +58,7 @@ impl Laboratory {
         here.write("model.toml", MODEL);
         let (test, out) = (here.path("test.toml"), here.path("out"));
         let run = outerloop(&["run", &test, "--out", &out]);
-        // 1: what nobody declared makes the test wrong, which is what its record is for.
+        // Status 1: the undeclared effect makes the test wrong, which is the purpose of its record.
         let code = run.status.code();
         assert!(
             matches!(code, Some(0 | 1)),
@@ -80,7 +80,7 @@ impl Laboratory {
         self.path("out/record.csv")
     }
 
-    /// `model` on the first and the last part of `record`.
+    /// Diagnoses `model` with the first part of `record` for training and the last for judging.
     pub fn halves(&self, model: &str, record: &str, more: &[&str]) -> Output {
         let (train, test) = (format!("{record}@0..11"), format!("{record}@11.001..21.4"));
         let mut arguments = vec![
@@ -97,7 +97,7 @@ impl Laboratory {
         serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
     }
 
-    /// Refused with exit status 2 and one sentence that says all of `words`.
+    /// Refused with exit status 2 and one sentence that contains all of `words`.
     #[track_caller]
     pub fn refused(&self, model: &str, train: &str, test: &str, more: &[&str], words: &[&str]) {
         let saved = self.path("saved.toml");
@@ -116,7 +116,7 @@ impl Laboratory {
         }
     }
 
-    /// Time, command, displacement and force of the record, changed row by row, as a new file.
+    /// Time, command, displacement and force of the record, changed row by row, in a new file.
     pub fn changed(&self, name: &str, change: impl Fn(usize, &mut [String; 4])) -> String {
         let text = std::fs::read_to_string(self.record()).unwrap();
         let mut new = String::from("time_s,command_m,displacement_m,force_n\n");

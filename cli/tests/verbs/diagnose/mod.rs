@@ -1,4 +1,4 @@
-//! `outerloop diagnose` as people and scripts call it, on records of tests that it ran itself.
+//! `outerloop diagnose` as people and scripts call it, on records of tests run here.
 
 mod beside;
 mod laboratory;
@@ -96,7 +96,7 @@ fn a_model_of_a_force_without_a_unit_says_so_and_is_not_taken_for_newtons() {
     let saved = std::fs::read_to_string(&model).unwrap();
     assert!(saved.contains("force_unit = \"1\""), "{saved}");
     assert!(saved.contains("mass_kg]\nvalue = 60."), "{saved}");
-    // It goes on with records of its own kind, and not with others.
+    // It works with records of its own kind, and with no others.
     let again = lab.diagnose(&model, &record);
     assert_eq!(channel(&again, "specimen")["verdict"], "none");
     let newtons = lab.record();

@@ -1,4 +1,4 @@
-//! Data and models that cannot be judged: refused in a sentence, or not assessed with the reason.
+//! Data and models that cannot be judged: refused in one sentence, or not assessed with the reason.
 
 use super::laboratory::{INERTIA, Laboratory, MODEL, channel, outerloop};
 use serde_json::Value;
@@ -181,7 +181,7 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
         let d = lab.diagnose(&model, file);
         let c = channel(&d, name);
         assert_eq!(c["verdict"], "not_assessed", "{c}");
-        // What was not worked out is null, not 0.
+        // What was not computed is null, not 0.
         assert!(c["error_before"]["test_rms"].is_null(), "{c}");
         assert!(c["noise_floor_rms"].is_null(), "{c}");
         let notes = c["notes"].to_string();
@@ -220,6 +220,6 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
     ]);
     let d: Value = serde_json::from_slice(&output.stdout).unwrap();
     let c = channel(&d, "specimen");
-    // A rest that is missing is no reason to refuse.
+    // A missing rest is no reason to refuse.
     assert_eq!(c["effects"][0]["name"], "inertia_force", "{c}");
 }

@@ -1,4 +1,4 @@
-//! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
+//! An external controller as a table: `--targets` writes the targets, `--follow` judges its commands.
 
 use super::super::command_table;
 use super::super::followed::{Followed, FollowedRthsRow};
@@ -14,7 +14,7 @@ use experiment::failure::Failure;
 use experiment::files::output;
 use std::path::Path;
 
-/// The column that is to be filled in.
+/// The column to be filled in.
 const COMMANDS: [&str; 1] = ["command_m"];
 
 impl Rths {
