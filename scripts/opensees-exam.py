@@ -1,8 +1,8 @@
-"""Records of specimens whose hysteresis laws are OpenSees' own: an exam in which nobody of this project wrote the laws.
+"""Records of specimens with OpenSees' own hysteresis laws: an exam whose laws nobody in this project wrote.
 
     opensees-exam.py OUT_DIR [--seed N] [--count N]
 
-Writes OUT_DIR/ID.csv, OUT_DIR/ID.toml (the declared model) and OUT_DIR/cases.toml, in the form that host-tests reads. Units: N, mm, s.
+Writes OUT_DIR/ID.csv, OUT_DIR/ID.toml (the declared model) and OUT_DIR/cases.toml, in the format that host-tests reads. Units: N, mm, s.
 """
 
 import argparse
@@ -13,21 +13,21 @@ from pathlib import Path
 import openseespy.opensees as ops
 
 REST_BEFORE_S, REST_AFTER_S, TRAINING_SHARE = 3.0, 2.0, 0.62
-FINEST_HZ = 1024  # a record of less is integrated at a multiple of its rate
-FASTEST_MM_S = 800.0  # what a servo-hydraulic actuator does
+FINEST_HZ = 1024  # a record at a lower rate is integrated at a multiple of it
+FASTEST_MM_S = 800.0  # what a servo-hydraulic actuator reaches
 LEAST_SHARE, MOST_SHARE = 0.08, 0.45  # rms of an effect over the spring's
 CLASSES = ["one", "clean", "one", "two", "one", "outside"]
 
-# The names by what they say, so that the wrong ones can be told for each cause.
+# The names grouped by meaning, to list the wrong ones for each cause.
 FRICTION = ["coulomb_friction", "stribeck_friction"]
 LOOP = ["bilinear_hysteresis", "bouc_wen_hysteresis"]
 RATE = ["viscous_damping", "quadratic_damping", "maxwell_damper", "channel_skew"]
 ELASTIC = ["hardening", "softening"]
 GAP = ["dead_band", "slip_gap"]
 ONE_WAY = ["asymmetric_stiffness"]
-# No law below has a clock, a mass, a fault of a sensor or a play that lags behind.
+# No law below involves time, mass, a sensor fault or backlash.
 ABSURD = ["drift", "temperature_gain", "mains_hum", "quantisation", "frozen_sensor", "sensor_noise", "inertia_force", "backlash"]
-# rig_compliance, degradation, gain_error and offset are wrong as well, but a motion may excuse them: in neither list.
+# rig_compliance, degradation, gain_error and offset are wrong as well, but a motion may justify them: in neither list.
 NO_RATE = FRICTION + LOOP + ELASTIC + GAP + ONE_WAY
 NO_LOOP = FRICTION + LOOP + RATE + ONE_WAY
 NAMES = FRICTION + LOOP + RATE + ELASTIC + GAP + ONE_WAY + ABSURD + ["saturation"]
@@ -94,7 +94,7 @@ def narrow_band(rng, centre_hz):
 
 
 def cycles(rate):
-    """A sine whose frequency follows the levels `rate`, asked at one time after the other."""
+    """A sine whose frequency follows the levels `rate`, queried at increasing times."""
     phase = 0.0
 
     def at(t, step):
@@ -108,7 +108,7 @@ def cycles(rate):
 
 
 def draw_motion(rng, peak_mm):
-    """What it is called, its length, and a function that gives displacement, velocity and acceleration on a grid."""
+    """Its title, its length, and a function that gives displacement, velocity and acceleration on a grid."""
     begin = REST_BEFORE_S
     end = begin + round(rng.uniform(26.0, 34.0), 1)
     total = round(end + REST_AFTER_S, 1)
@@ -145,8 +145,8 @@ def draw_motion(rng, peak_mm):
 
 
 # Laws -------------------------------------------------------------------------------------------------------------------------------
-# A law draws its shape for a peak of `x` mm and an angular frequency `w`, and returns a function of a stiffness `s` (all its forces in
-# proportion) and a tag that gives the materials, the last the law itself; and the names that are right, half right, and wrong.
+# A law draws its shape for a peak of `x` mm and an angular frequency `w`. It returns the names that are right, half right and wrong, and
+# a function of a stiffness `s` (to which all forces are proportional) and a tag that gives the materials, the law itself last.
 
 
 class Cause:
@@ -208,7 +208,7 @@ def quadratic(rng, x, w):
 
 
 def weak_power(rng, x, w):
-    """Between friction and a dashpot. No name has the power, so `unknown` is right, and so is either end of the scale."""
+    """Between friction and a dashpot. No name describes the power, so `unknown` is right, and so is either extreme."""
     alpha = rng.uniform(0.2, 0.5)
     make = lambda s, t: [("Viscous", t, s * x / (x * w) ** alpha, alpha)]
     wrong = ["quadratic_damping", "channel_skew", "stribeck_friction"] + ELASTIC + GAP + ONE_WAY
@@ -224,7 +224,7 @@ def maxwell(rng, x, w):
 
 
 def curve(points):
-    """An elastic law through points given for positive displacement, odd."""
+    """An odd elastic law through points given for positive displacement."""
     strains = [-p[0] for p in reversed(points)] + [0.0] + [p[0] for p in points]
     forces = [-p[1] for p in reversed(points)] + [0.0] + [p[1] for p in points]
     return lambda s, t: [("ElasticMultiLinear", t, 0.0, "-strain", *strains, "-stress", *[s * f for f in forces])]
@@ -248,7 +248,7 @@ def softening(rng, x, w):
 
 
 def gap(rng, x, w):
-    """Stops on both sides: an element that passes nothing around zero, or a spring that stiffens. A joint that slips is half of it."""
+    """Stops on both sides: a dead band around zero, or a stiffening spring. A slipping joint is half right."""
     at = rng.uniform(0.15, 0.45) * x
     make = lambda s, t: [("ElasticPPGap", t, s, 1e3 * s * x, at), ("ElasticPPGap", t + 1, s, -1e3 * s * x, -at),
                          ("Parallel", t + 2, t, t + 1)]
@@ -366,11 +366,11 @@ def exact(materials):
 
 
 class TooSmall(Exception):
-    """A cause that the motion hardly shows, however it is drawn."""
+    """A cause that the motion hardly shows, whatever its random shape."""
 
 
 def sized(rng, draw, x, w, k, motion, step):
-    """A cause drawn, its materials at the size wanted, its rms over the spring's. Too small, or worn out early: drawn again."""
+    """A random cause, its materials at the wanted size, its rms over the spring's. Redrawn if too small or worn out early."""
     wanted = log_uniform(rng, LEAST_SHARE, MOST_SHARE)
     split = round(TRAINING_SHARE * len(motion[0]))
     for _ in range(20):
@@ -416,7 +416,7 @@ def make_case(rng, ident, draws, folder):
     damped = not draws or (rng.random() < 0.5 and viscous not in draws)
     c = rounded(k / w * rng.uniform(0.02, 0.1)) if damped else 0.0
 
-    # Spring and dashpot, beside them the causes.
+    # Spring and dashpot, in parallel with the causes.
     beside = [("Elastic", 2, k)] + ([("Viscous", 3, c, 1.0)] if damped else [])
     parallel, causes, shares = [m[1] for m in beside], [], []
     words = [command((m[0], *m[2:])) for m in beside]
@@ -430,7 +430,7 @@ def make_case(rng, ident, draws, folder):
         shares.append(share)
     forces = force(beside + [("Parallel", 1, *parallel)], 1, motion, step)
 
-    # What the transducers make of it.
+    # The transducers' readings.
     true_mm, true_mm_s, true_n = motion[0][: count - 1 : finer], motion[1][: count - 1 : finer], forces[::finer]
     peak_n = max(map(abs, true_n))
     noise_n, noise_mm = peak_n * rng.uniform(0.001, 0.004), peak * rng.uniform(0.0001, 0.0005)
@@ -441,13 +441,13 @@ def make_case(rng, ident, draws, folder):
         out.write("time_s,displacement_mm,force_n\n")
         out.writelines(f"{i / rate:.8f},{d:.6f},{n:.4f}\n" for i, (d, n) in enumerate(zip(x, f)))
 
-    # What the laboratory declares.
+    # The laboratory's declaration.
     tolerance = k * rng.uniform(0.01, 0.03)
     declared = [(k + tolerance * rng.uniform(-1, 1), tolerance),
                 (c * rng.uniform(0.8, 1.2), 0.2 * c) if damped else (0.0, 0.005 * k / w), (0.0, 0.005 * peak_n)]
     keys = ["stiffness_n_per_mm", "damping_n_s_per_mm", "offset_n"]
     lines = [f"{key} = {{ value = {v:.6g}, tolerance = {t:.4g} }}" for key, (v, t) in zip(keys, declared)]
-    if rng.random() < 0.5:  # k in N/mm over w squared is tonnes
+    if rng.random() < 0.5:  # k in N/mm divided by w squared is in tonnes
         lines.insert(2, f"mass_kg = {{ value = 0, tolerance = {0.002 * k / w**2 * 1e3:.4g} }}")
     (folder / f"{ident}.toml").write_text("# declared before the effect is known\n[specimen]\n" + "\n".join(lines) + "\n")
 
@@ -486,7 +486,7 @@ def toml_value(key, value):
 
 
 def drawn_until_shown(given, i, kind, orders, turn):
-    """Cases of a number; another motion where the first one does not show its cause."""
+    """A number of cases; redrawn with another motion if the first does not show its cause."""
     for attempt in range(20):
         rng = random.Random(f"{given.seed}/{i}" + (f"/{attempt}" if attempt else ""))
         if kind == "two":

@@ -9,7 +9,7 @@ from statsmodels.stats.diagnostic import acorr_ljungbox
 from sysidentpy.basis_function import Polynomial
 from sysidentpy.model_structure_selection import FROLS
 
-# In units of the noise: what is smaller does not matter, for any of them.
+# In units of the noise: smaller effects do not matter, for any peer.
 MATTERS = 0.3
 MOST = 10
 
@@ -47,7 +47,7 @@ def lasso_lars(matrix, y):
 
 
 def frols(matrix, y):
-    """On every fourth sample: it takes seconds a channel as it is."""
+    """On every fourth sample: even so it takes seconds per channel."""
     matrix, y = matrix[::4], y[::4]
     columns = matrix.shape[1]
     model = FROLS(
@@ -100,6 +100,6 @@ def as_picked(sizes):
 
 
 def largest(sizes):
-    """The generous reading: what matters, and of that no more than what is half as large as the largest, at most two."""
+    """The generous reading: at most two effects that matter, each more than half as large as the largest."""
     large = [n for n in as_picked(sizes) if sizes[n] > MATTERS]
     return [n for n in large if sizes[n] > 0.5 * sizes[large[0]]][:2]

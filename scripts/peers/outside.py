@@ -1,9 +1,9 @@
-"""Peers on the open records from outside, beside `outerloop diagnose`. Called by scripts/outside-peers.
+"""Peers on open third-party records, compared with `outerloop diagnose`. Called by scripts/outside-peers.
 
 Each peer learns from the training spans and is judged on the held-out ones, as the diagnosis is. Those that pick columns get
-what they get in the exam: the same residual and regressors, and for the noise what the diagnosis read off the record, since
-they have no means to. Two more predict and name nothing by their nature (a NARX model, run freely), or name always the same
-(a Bouc-Wen element beside the declared model, fitted by least squares).
+the same as in the exam: residual, regressors, and the noise that the diagnosis estimated from the record, since they have
+no means to. Two more only predict: a free-running NARX model names nothing, and a Bouc-Wen element beside the declared
+model, fitted by least squares, always names the same.
 """
 
 import json
@@ -23,13 +23,13 @@ import methods
 import records
 import regressors
 
-# Low-passes of the displacement that are tried, in bands of the motion (nine tenths of the speed's power).
+# Tried low-pass cut-offs of the displacement, as multiples of the motion's band (nine tenths of the speed's power).
 CUTOFFS = tuple(2.0**i for i in range(1, 10))
 
 
 @dataclass
 class Question:
-    """A record, evenly sampled, and which of its samples are to learn from and to be judged on."""
+    """A record, evenly sampled, with its samples for training and for judging."""
 
     case: dict
     model: dict
@@ -108,7 +108,7 @@ def channel(q, sigma):
 
 
 def picked(q, c, pick):
-    """What a peer that picks columns predicts, and the kind reading of what it names."""
+    """The prediction of a peer that picks columns, and the generous reading of its names."""
     parts, matrix, size, y = regressors.library(c)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -1,4 +1,4 @@
-"""Questions of the exam as arrays, and the residual that the declared model leaves."""
+"""Questions of the exam as arrays, and the declared model's residual."""
 
 import csv
 import tomllib
@@ -15,7 +15,7 @@ IDEAL = {"gain": 1.0}
 
 @dataclass
 class Channel:
-    """One half of a record: what the model leaves, the noise of its rest, and what a regressor may be made of."""
+    """One half of a record: the model's residual, the noise at rest, and the signals for regressors."""
 
     name: str
     residual: np.ndarray

@@ -1,8 +1,8 @@
-"""The candidate regressors of a residual, each under the name of the effect that it stands for.
+"""The candidate regressors of a residual, each under the name of its effect.
 
-Every peer gets the same: for each effect of the list the column that a textbook has for it, where it has a shape at two or
-three values of it. A column that a declared parameter has too is named only as far as its coefficient leads the parameter
-out of three tolerances, as in the diagnosis. Of columns that are the same one stays.
+Every peer gets the same: for each effect its textbook column, at two or three values of a shape parameter if there is one. A
+column shared with a declared parameter is named only as far as its coefficient takes the parameter beyond three tolerances,
+as in the diagnosis. Of identical columns one is kept.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ def lagged(y, time_s, h):
 
 
 def play(x, width):
-    """What a play of +-width lets through."""
+    """The output of a play of +-width."""
     out = np.empty_like(x)
     at = x[0]
     for i, value in enumerate(x):
@@ -104,7 +104,7 @@ def columns(c):
 
 
 def lattice(y):
-    """The step of the converter, where the values show one."""
+    """The step of the converter, if the values show one."""
     values = np.unique(y)
     gaps = np.diff(values)
     gaps = gaps[gaps > 1e-9 * np.ptp(y)]
@@ -113,7 +113,7 @@ def lattice(y):
     return float(np.median(gaps))
 
 
-# Columns with a larger correlation are one.
+# Columns with a larger correlation count as identical.
 SAME = 0.99999
 
 
