@@ -1,14 +1,14 @@
-//! What was asked of verdicts and monitor, and by how much it is missed.
+//! Targets of verdicts and monitor, and by how much they are missed.
 
 use super::monitor::{BreakageKind, StopCounts};
 use super::verdicts::{ActualOutcome, VerdictCounts};
 use outerloop_core::Prediction;
 use serde::Serialize;
 
-/// Most sound tests that may be called doubtful, as a share.
+/// Largest fraction of sound tests that may be called doubtful or unstable.
 const MOST_DOUBTFUL: f64 = 0.05;
 
-/// Required of the verdicts: no test that runs away is called stable, and few that are sound are called otherwise.
+/// Required of the verdicts: no test that runs away is called stable, and few sound ones are called anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SurveyPromise {
     /// Tests that ran away.
@@ -21,7 +21,7 @@ pub struct SurveyPromise {
     pub sound_called_doubtful: usize,
     /// Of them, called unstable.
     pub sound_called_unstable: usize,
-    /// Of the sound ones that were called doubtful or unstable, those with `amb`.
+    /// Of the sound ones called doubtful or unstable, those with `amb`.
     pub of_them_amb: usize,
 }
 
@@ -74,7 +74,7 @@ impl SurveyPromise {
     }
 }
 
-/// Least share of broken tests that are to be stopped in time.
+/// Smallest fraction of broken tests that must be stopped in time.
 const LEAST_STOPPED: f64 = 0.99;
 
 /// Required of the monitor: no sound test is stopped, and a broken one in time.
