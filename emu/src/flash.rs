@@ -1,6 +1,6 @@
-//! The memory array of the flash. The emulator's flash controller has the registers, with their locks and the duration of an erase,
-//! but no array: a store into the flash is dropped, and nothing is erased. Here a word is programmed and a sector erased, by RM0090
-//! section 3.6 and table 48 of DS9405.
+//! The memory array of the flash. The emulator's flash controller has the registers, with their locks and the duration of an
+//! erase, but no array: a store into the flash is dropped, and nothing is erased. Here a word is programmed and a sector
+//! erased, by RM0090 section 3.6 and table 48 of DS9405.
 //!
 //! Only the second bank can be programmed. A word stored while another one is being programmed, or into the bank that the program
 //! runs from, stalls the chip; here it is lost, and reading it back shows that.

@@ -1,7 +1,7 @@
 //! The list of aims. Each command that prints figures of an exam also prints by how much each aim is missed.
 //!
-//! The aims were set for records that nobody here has seen: the outside league and its third lot, two sealed exams, laws of OpenSees,
-//! and a field trial. A command prints the same figures for the records that it has.
+//! The aims were set for records that nobody here has seen: the outside league and its third lot, two sealed exams, laws of
+//! OpenSees, and a field trial. A command prints the same figures for the records that it has.
 
 use std::fmt::Write as _;
 
@@ -50,8 +50,8 @@ pub const LEAGUES: [Aim; 4] = [
     at_most("third league: wrong", 0.017),
 ];
 
-/// Each of the two sealed exams: one effect exactly or in a set, both of two effects named, effects that cannot be told apart, effects
-/// outside the list, and wrong names.
+/// Each of the two sealed exams: one effect exactly or in a set, both of two effects named, effects that cannot be told
+/// apart, effects outside the list, and wrong names.
 pub const SEALED: [[Aim; 5]; 2] = [
     [
         at_least("first sealed exam: one, exact or set", 0.88),
@@ -93,8 +93,8 @@ pub const SECONDS: [Aim; 2] = [
     within("seconds a record, 95 % are below", 1.5),
 ];
 
-/// Error of the model found in a motion that was used neither for the fit nor for judging it. The aim was set relative to the error of the
-/// true law fed with the readings, which is the load cell's noise and more.
+/// Error of the model found in a motion that was used neither for the fit nor for judging it. The aim was set relative to
+/// the error of the true law fed with the readings, which is the load cell's noise and more.
 pub const THIRD_MOTION: [Aim; 1] = [Aim {
     row: "third motion: error over the noise, geometric mean",
     aim: Wanted::RatioAtMost(1.8),

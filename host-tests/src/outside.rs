@@ -196,8 +196,8 @@ impl Case {
         sure && a.effects.iter().any(|e| wrong(e.name.name()))
     }
 
-    /// Points by the rules of the cases: 1 for a correct name or set with an error of at most 1.4 times a textbook fit's; half for
-    /// a larger error, for a half-correct name and for `unknown` with the right nearest; 0 for a wrong name.
+    /// Points by the rules of the cases: 1 for a correct name or set with an error of at most 1.4 times a textbook fit's;
+    /// half for a larger error, for a half-correct name and for `unknown` with the right nearest; 0 for a wrong name.
     pub fn points(&self, a: &ChannelAnswer) -> f64 {
         let verdict = match a.verdict {
             Verdict::None => "none",

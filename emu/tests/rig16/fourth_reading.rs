@@ -227,8 +227,8 @@ fn a_reset_without_an_input_converter_leaves_the_output_where_it_is() {
     assert!(last.abs_diff(held) < 100, "{held} became {last}");
 }
 
-/// Another ground motion than the planned one stays inside every limit; its bits differ from the PC's, which stops the test on its
-/// ramp.
+/// Another ground motion than the planned one stays inside every limit; its bits differ from the PC's, which stops the test
+/// on its ramp.
 #[test]
 fn a_ground_motion_with_a_wrong_bit_is_stopped_by_the_pc() {
     let test = TestFile::parse(

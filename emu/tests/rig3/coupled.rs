@@ -1,5 +1,5 @@
-//! `examples/coupled-frame.toml` on the flashed image, as `outerloop run --emulated` does it: the two actuators on one coupler are
-//! the first two of the board, and the third has no load.
+//! `examples/coupled-frame.toml` on the flashed image, as `outerloop run --emulated` does it: the two actuators on one
+//! coupler are the first two of the board, and the third has no load.
 
 use crate::example;
 use experiment::Experiment;

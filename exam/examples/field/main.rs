@@ -7,7 +7,8 @@
 //! - `--devices`: specimens of earthquake laboratories instead (bearings, dampers, braces, walls).
 //! - `--rams`: rams under position control, every second one sound; prints by how much the aims of the field trial are missed.
 //! - `--worlds`: each seed three times: as a field rig, as a laboratory specimen and as a ram.
-//! - `--evidence`: lists each name that was given for sure, whether it is false, how much of the error its model leaves, and its `q`.
+//! - `--evidence`: lists each name that was given for sure, whether it is false, how much of the error its model leaves, and
+//!   its `q`.
 //! - `--noise`: compares the stated noise of records without a rest with the true noise.
 //! - `--hidden`: compares what the best-fitting sound ram leaves of a faulty ram's record with the noise. Less than the noise
 //!   cannot be found.

@@ -11,8 +11,8 @@ const STEPS: usize = 5;
 /// Rate at which samples are compared, Hz.
 const COMPARED_HZ: f64 = 250.0;
 
-/// What the best-fitting sound ram leaves of another ram's displacement, mm rms. Its parameters stay within those that sound rams may
-/// have.
+/// What the best-fitting sound ram leaves of another ram's displacement, mm rms. Its parameters stay within those that sound
+/// rams may have.
 pub(super) fn beyond_sound(ram: &Ram, sound: &Ram, command_mm: &[f64]) -> f64 {
     let every = (FINE_HZ / COMPARED_HZ) as usize;
     let sparse = |x: Vec<f64>| x.into_iter().step_by(every).collect::<Vec<f64>>();

@@ -1,7 +1,8 @@
 //! Rigs as other laboratories record them. They have hydraulics with a valve and an oil column, parallel elements,
 //! degradation, pinching, power laws, stiffness lost with the peak or with travel, and coherent disturbances. Motions can be
-//! at one speed, at one frequency, slow or one-sided. Records can be short with short rests, be cut out of mid-motion, have no
-//! rest, dwell, have no noise at all or coarse converters. Written from textbooks on friction, dampers and servo-hydraulics:
+//! at one speed, at one frequency, slow, one-sided or with pauses. Records can be short with short rests, cut out of mid-motion
+//! or without a rest, and have no noise at all or coarse converters. Written from textbooks on friction, dampers and
+//! servo-hydraulics:
 //!
 //! - LuGre friction: Canudas de Wit et al., IEEE TAC 40(3), 1995, 419;
 //! - distributed sliders: Iwan, J. Appl. Mech. 33, 1966, 893; Ramberg and Osgood, NACA TN 902, 1943;
@@ -119,8 +120,8 @@ fn ram_of(seed: u64) -> (Dice, Plan, Reading, Ram) {
     (dice, plan, reading, ram)
 }
 
-/// What the best-fitting sound ram leaves of the displacement of a seed's ram, over the noise of its reading. A fault that leaves less
-/// than the noise cannot be found.
+/// What the best-fitting sound ram leaves of the displacement of a seed's ram, over the noise of its reading. A fault that
+/// leaves less than the noise cannot be found.
 pub fn hidden_by_a_sound_ram(seed: u64) -> f64 {
     let (mut dice, plan, _, ram) = ram_of(seed);
     let command = plan.motions(&mut dice).swap_remove(0).x;

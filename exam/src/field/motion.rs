@@ -255,8 +255,8 @@ impl Plan {
                 .map(|i| 0.5 * a * (1.2 + sweep(i, 0.2 * hz)))
                 .collect(),
             Move::Random => {
-                // The first value is zero because the filters start in equilibrium with it: from a random value, the decaying start
-                // would be the largest part of the motion and set its scale.
+                // The first value is zero because the filters start in equilibrium with it: from a random value, the
+                // decaying start would be the largest part of the motion and set its scale.
                 let white = (0..n).map(|i| if i == 0 { 0.0 } else { dice.normal() });
                 let white: Vec<f64> = white.collect();
                 let tau = 0.25 / (TAU * 0.25 * hz);

@@ -199,8 +199,8 @@ impl Ram {
         }
     }
 
-    /// Gain, delay in ms, lag in ms and offset in mm, as a laboratory fits them to another motion of half the size, without a load.
-    /// Faults come later and do not affect the fit; only a valve that is too small was there already.
+    /// Gain, delay in ms, lag in ms and offset in mm, as a laboratory fits them to another motion of half the size, without
+    /// a load. Faults come later and do not affect the fit; only a valve that is too small was there already.
     pub(super) fn identified(&self, command_mm: &[f64], dice: &mut Dice) -> [f64; 4] {
         let mut sound = self.calm();
         if self.fault != Fault::SmallValve {

@@ -1,8 +1,8 @@
 //! What the tests of this repository claim to prove: the lines `// proves:` above them.
 //!
-//! A line is a list of ids; `by` names what the test makes fail for these, as written in the code. An id with an asterisk at its end
-//! means all that begin so, for tests that iterate over the code's own list. What is named must appear in the test, or in what it
-//! uses of its file.
+//! A line is a list of ids; `by` names what the test makes fail for these, as written in the code. An id with an asterisk at
+//! its end means all that begin so, for tests that iterate over the code's own list. What is named must appear in the test,
+//! or in what it uses of its file.
 
 use super::ids::Id;
 use std::path::{Path, PathBuf};
@@ -154,8 +154,8 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
     }
 }
 
-/// Functions and constants of a file by their names, as rustfmt formats them: up to the first line of the same indent that ends in
-/// a brace or a semicolon.
+/// Functions and constants of a file by their names, as rustfmt formats them: up to the first line of the same indent that
+/// ends in a brace or a semicolon.
 fn items(text: &str) -> Vec<(&str, String)> {
     let lines: Vec<&str> = text.lines().collect();
     let mut items = Vec::new();

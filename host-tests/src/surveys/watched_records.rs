@@ -28,8 +28,8 @@ pub struct Row {
 /// Names of a delay: only a fast motion distinguishes them.
 const LATE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "channel_skew"];
 
-/// A servo-hydraulic actuator and its declared model. What the model lacks is not published; what the diagnosis finds, part by part,
-/// is in docs/diagnosis-validation.md.
+/// A servo-hydraulic actuator and its declared model. What the model lacks is not published; what the diagnosis finds, part
+/// by part, is in docs/diagnosis-validation.md.
 const MODEL: &str = "../examples/real/hydraulic-actuator.toml";
 const KNOWN: &str =
     "a mean that moves with speed, friction at reversals; a damper pulls with 1 kN (not published)";

@@ -13,8 +13,8 @@ pub struct Goal {
     pub limit: Vec<f64>,
     /// Unit of both: `%`, `points` of a per cent, `plants`, `s`.
     pub unit: &'static str,
-    /// By how much the worst figure exceeds its limit, in that unit; reached if 0 or less. Infinite if a figure is NaN or there is
-    /// none.
+    /// By how much the worst figure exceeds its limit, in that unit; reached if 0 or less. Infinite if a figure is NaN or
+    /// there is none.
     pub missed_by: f64,
     /// Why it is missed, if it is.
     pub why: Option<&'static str>,

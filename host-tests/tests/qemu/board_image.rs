@@ -4,8 +4,8 @@ use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-/// The images, the interrupt of each one's control period (with the chip's own converters, and with external ones), and the flash that
-/// it may take.
+/// The images, the interrupt of each one's control period (with the chip's own converters, and with external ones), and the
+/// flash that it may take.
 const IMAGES: [(&str, &str, u64); 3] = [
     ("nucleo_f429zi", "ADC", MOST_FLASH),
     ("nucleo_f429zi_16", "TIM2", MOST_FLASH),
@@ -22,20 +22,20 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
     })
 }
 
-/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. A quarter was the aim
-/// until limits, calibration and two more methods were added (290 KiB). Live checks of the converters, further interlocks and
-/// refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled for their sizes, and
-/// its instructions are processed in software double precision. Methods that are nowhere the best are left out: 364 KiB with the
-/// chip's own converters, 371 with those for three actuators; with all methods 387 and 393. Most of it is three sizes of loop with
-/// each method, each with its design in double precision.
+/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. A quarter was the
+/// aim until limits, calibration and two more methods were added (290 KiB). Live checks of the converters, further
+/// interlocks and refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled
+/// for their sizes, and its instructions are processed in software double precision. Methods that are nowhere the best are
+/// left out: 364 KiB with the chip's own converters, 371 with those for three actuators; with all methods 387 and 393. Most
+/// of it is three sizes of loop with each method, each with its design in double precision.
 ///
-/// Images without the loop for two coupled actuators also decode such a test and refuse it in a sentence: 6 KiB more in each, 370
-/// and 373. The guards of a fourth review took 2: PERMIT read back, and the load cell's checks. Those of a fifth took 6, for 378 and
-/// 381: limits that must be able to act, each with its sentence.
+/// Images without the loop for two coupled actuators also decode such a test and refuse it in a sentence: 6 KiB more in
+/// each, 370 and 373. The guards of a fourth review took 2: PERMIT read back, and the load cell's checks. Those of a fifth
+/// took 6, for 378 and 381: limits that must be able to act, each with its sentence.
 const MOST_FLASH: u64 = 384 * 1024;
 
-/// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: another 42 KiB, mostly
-/// its step and its design.
+/// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: another 42 KiB,
+/// mostly its step and its design.
 const COUPLED_FLASH: u64 = 44 * 1024;
 
 #[test]

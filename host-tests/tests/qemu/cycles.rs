@@ -128,8 +128,8 @@ fn cycles_of_a_step_with_every_method() {
     );
 }
 
-/// What watching may add to the longest step before the command, cycles, without corrections: nothing, but the linker puts the code
-/// elsewhere.
+/// What watching may add to the longest step before the command, cycles, without corrections: nothing, but the linker puts
+/// the code elsewhere.
 const WATCHED_MOST: u64 = 5;
 
 /// Longest step without the watch, with it, and with all corrections allowed.
@@ -186,8 +186,8 @@ fn what_the_watch_costs_a_step() {
     }
 }
 
-/// What the watch may take of the interrupt, cycles: after the command plus what it adds before it; and after the command when its
-/// orders change. The second varies by some 35 with where the linker puts the code.
+/// What the watch may take of the interrupt, cycles: after the command plus what it adds before it; and after the command
+/// when its orders change. The second varies by some 35 with where the linker puts the code.
 const BEHIND_MOST: [u64; 2] = [60, 440];
 
 /// The interrupt's cycles after the command: without the watch, with it, and when the watch's orders change.

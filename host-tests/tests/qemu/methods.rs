@@ -14,7 +14,8 @@ const MOST: f64 = 400.0;
 /// The paper's damping with a predictor is two methods.
 const MOST_OF_TWO: f64 = 650.0;
 
-/// Instructions that the estimation of four parameters may add: a model of fifth order, its sensitivities and recursive least squares.
+/// Instructions that the estimation of four parameters may add: a model of fifth order, its sensitivities and recursive
+/// least squares.
 const MOST_OF_AN_ESTIMATE: f64 = 300.0;
 
 /// Instructions that `name` may add to a step.
@@ -52,8 +53,8 @@ fn variants() -> Vec<(String, Scenario)> {
     alone.chain(behind).chain([last]).collect()
 }
 
-/// Largest number of instructions of a control period, including copying sample and command. The test must run to its end: the step
-/// that stops a test takes more, which is not due to the method.
+/// Largest number of instructions of a control period, including copying sample and command. The test must run to its end:
+/// the step that stops a test takes more, which is not due to the method.
 fn worst_instructions(image: &Path, scenario: &Scenario) -> f64 {
     let mut scenario = scenario.clone();
     // The published gains of `amb` are for motions below 10 mm; in this one it would learn more and more of the noise.

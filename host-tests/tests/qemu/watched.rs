@@ -59,7 +59,8 @@ fn spoilt<const N: usize>(
     }
 }
 
-/// The fault: actuators that are later by some steps, a displacement reading with a wrong gain, or one that freezes with its noise.
+/// The fault: actuators that are later by some steps, a displacement reading with a wrong gain, or one that freezes with its
+/// noise.
 #[derive(Clone, Copy)]
 struct Wrong {
     steps: usize,

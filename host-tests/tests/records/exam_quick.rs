@@ -87,8 +87,8 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
     }
 }
 
-/// A displacement reading with mains hum and a harmonic between two bins of a short rest; and coloured noise, which is not a pump's
-/// line.
+/// A displacement reading with mains hum and a harmonic between two bins of a short rest; and coloured noise, which is not a
+/// pump's line.
 #[test]
 fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_noise() {
     let ids = [

@@ -24,8 +24,8 @@ fn foretold_errors_hold_in_most_pairs_of_open_records() {
         "{held} of {}",
         pairs.len()
     );
-    // A very wide interval is useless. If a model explains slow parts almost fully and fast parts poorly, a motion of another speed
-    // may leave anything in between.
+    // A very wide interval is useless. If a model explains slow parts almost fully and fast parts poorly, a motion of
+    // another speed may leave anything in between.
     let narrow = |p: &&Pair| p.foretold[1] < 4.0 * p.foretold[0];
     let narrow = pairs.iter().filter(narrow).count();
     assert!(

@@ -167,8 +167,8 @@ fn a_test_of_which_a_step_came_out_otherwise_is_stopped_on_its_ramp() {
     assert!(steps > 3000 && steps < 9100, "{steps}");
 }
 
-/// Runs a test that ends on its ramp, since its energy error is too large; if `pressed`, the emergency stop is pressed in the third
-/// step of the ramp. Returns the number of steps on the ramp.
+/// Runs a test that ends on its ramp, since its energy error is too large; if `pressed`, the emergency stop is pressed in
+/// the third step of the ramp. Returns the number of steps on the ramp.
 fn ramped(pressed: bool) -> u32 {
     let t = test(&["limits.energy_trip=0.002"]);
     let mut board = loopback(&t);

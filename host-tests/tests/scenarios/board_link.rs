@@ -408,8 +408,8 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     };
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // Steps of the board: nothing is armed before the piston's position is given, nothing starts before Enter, and nothing resumes
-    // before Enter or while the button is pressed.
+    // Steps of the board: nothing is armed before the piston's position is given, nothing starts before Enter, and nothing
+    // resumes before Enter or while the button is pressed.
     board.incidents.extend([
         (700, types("")),
         (800, types("0.2")),

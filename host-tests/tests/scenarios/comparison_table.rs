@@ -156,9 +156,9 @@ fn the_study_is_reproduced_where_the_method_is_the_same() {
     assert_eq!(off, Vec::<String>::new());
 }
 
-/// What distinguishes `paper` from the study's line: the sech gain uses the displacement from the start of the test. When a yielded
-/// specimen vibrates about an offset, the gain treats that offset as motion and removes the damping; the smaller its exponent, the
-/// less.
+/// What distinguishes `paper` from the study's line: the sech gain uses the displacement from the start of the test. When a
+/// yielded specimen vibrates about an offset, the gain treats that offset as motion and removes the damping; the smaller its
+/// exponent, the less.
 #[test]
 fn the_sech_gain_is_what_sets_eq_20_apart_on_a_specimen_that_yields() {
     let rms = |gamma: Option<f64>| {

@@ -1,5 +1,5 @@
-//! The multi-axial benchmark without the problem's tables: its actuators, its loop and its criteria on a frame and a ground motion
-//! made up here.
+//! The multi-axial benchmark without the problem's tables: its actuators, its loop and its criteria on a frame and a ground
+//! motion made up here.
 
 use benchmarks::marths::bench::{MarthsRow, Problem, rows};
 use benchmarks::marths::contestants::PairContestant::{

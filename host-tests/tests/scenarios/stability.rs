@@ -290,7 +290,8 @@ fn learning(mut s: Scenario, time_s: f64) -> Scenario {
     s
 }
 
-/// Adaptive predictors with wrong declarations, and forces at the target: small motions show in some periods what they converge to.
+/// Adaptive predictors with wrong declarations, and forces at the target: small motions show in some periods what they
+/// converge to.
 fn what_they_come_to_decides(time_s: f64) {
     let methods = [
         Method::Darby,

@@ -117,8 +117,8 @@ fn written((survey, i): (u64, u64), set: &[String]) -> Summary {
     run.expect("a test that runs").summary
 }
 
-/// A few kilograms at the load cell of an actuator whose oil column resonates at 300 Hz: when the command was extrapolated further by
-/// the acceleration of the target, which follows the force, these tests vibrated until a reading was at its rail.
+/// A few kilograms at the load cell of an actuator whose oil column resonates at 300 Hz: when the command was extrapolated
+/// further by the acceleration of the target, which follows the force, these tests vibrated until a reading was at its rail.
 #[test]
 fn a_mass_at_the_load_cell_does_not_shake_where_the_command_is_sent_further_ahead() {
     for (i, kind) in [(750, "lagrange"), (904, "lagrange"), (909, "inverse")] {

@@ -28,7 +28,8 @@ use experiment::files::ground_motion::GroundMotionFile;
 use outerloop_core::Method;
 use rayon::prelude::*;
 
-/// Distance of the seeds of tests with an effect in mid-test from those of sound ones; the other lots are twice and three times as far.
+/// Distance of the seeds of tests with an effect in mid-test from those of sound ones; the other lots are twice and three
+/// times as far.
 const FAULTS_FROM: u64 = 1_000_000;
 const ANY_FROM: u64 = 2 * FAULTS_FROM;
 const RECORDED_FROM: u64 = 3 * FAULTS_FROM;
@@ -70,8 +71,8 @@ impl Lot {
         seed + from + i
     }
 
-    /// Test file and ground motion of its test `i` in the survey of `seed`, to look at a single test; `None` if there is no recorded
-    /// ground motion.
+    /// Test file and ground motion of its test `i` in the survey of `seed`, to look at a single test; `None` if there is no
+    /// recorded ground motion.
     pub fn test(self, seed: u64, i: u64) -> Option<(String, GroundMotionFile)> {
         let own = self.seed(seed, i);
         Some(match self {

@@ -33,7 +33,8 @@ struct Scales {
     force_n: f64,
 }
 
-/// All compensations drawn: not `amb`, whose gains are for one size of motion, nor `none` and Eq 14, which leave the actuator late.
+/// All compensations drawn: not `amb`, whose gains are for one size of motion, nor `none` and Eq 14, which leave the
+/// actuator late.
 const COMPENSATIONS: [&str; 16] = [
     "paper",
     "inverse",
@@ -312,8 +313,8 @@ fn bent(draw: &mut Draw, peak_mm: f64) -> (&'static str, String) {
     (kind, text)
 }
 
-/// In two of three tests, noise with an envelope and a spectrum around the structure's frequency; otherwise the built-in near-fault
-/// record, stretched to the test's duration.
+/// In two of three tests, noise with an envelope and a spectrum around the structure's frequency; otherwise the built-in
+/// near-fault record, stretched to the test's duration.
 fn shaking(draw: &mut Draw, hz: f64, seconds: f64) -> GroundMotionFile {
     if draw.between(0.0, 3.0) < 1.0 {
         let mut built_in = near_fault();

@@ -395,8 +395,8 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
     ]
 }
 
-/// How often a wrong transducer adds more error to a test with an adaptive method, by over 1 % of the peak, than to the same test with
-/// the rig's own compensation.
+/// How often a wrong transducer adds more error to a test with an adaptive method, by over 1 % of the peak, than to the same
+/// test with the rig's own compensation.
 fn guards(faulty: &[FaultTrial]) -> Vec<Target> {
     let of = |is_ats: bool, eps: fn(&Learning) -> f64| {
         let lies = faulty

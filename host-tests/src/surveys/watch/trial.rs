@@ -117,8 +117,8 @@ impl FaultTrial {
         self.eps[1] - self.eps[0]
     }
 
-    /// Whether the effect adds more than this. A frozen sensor always counts, since the test is stopped soon, as do noise and hum, which
-    /// add little.
+    /// Whether the effect adds more than this. A frozen sensor always counts, since the test is stopped soon, as do noise
+    /// and hum, which add little.
     pub fn adds(&self, more: f64) -> bool {
         let always = matches!(self.kind, Kind::Frozen | Kind::Noise | Kind::Hum);
         self.counts && (always || self.added() > more)
