@@ -14,16 +14,16 @@ const NUMBERS: usize = 64;
 /// A bit of the processor or its memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CoreBit {
-    /// Of a core register, by a number modulo the number of their bits.
+    /// A bit of a core register, by a number modulo the number of bits of all of them.
     Register(u32),
-    /// Of a byte of memory, including the flash.
+    /// A bit of a byte of memory, including the flash.
     Memory {
         /// The byte.
         address: u64,
         /// The bit.
         bit: u32,
     },
-    /// Of a register of the processor's own peripherals: interrupts, memory protection.
+    /// A bit of a register of the processor's own peripherals (interrupts, memory protection).
     System {
         /// The register.
         address: u64,

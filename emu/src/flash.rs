@@ -16,11 +16,11 @@ const SECOND_BANK: Range<u64> = 0x0810_0000..0x0820_0000;
 const SR: u64 = 0x4002_3c0c;
 const CR: u64 = 0x4002_3c10;
 
-// Of SR.
+// Bits of SR.
 const EOP: u64 = 1;
 const BSY: u64 = 1 << 16;
 
-// Of CR.
+// Bits of CR.
 const PG: u64 = 1;
 const SER: u64 = 1 << 1;
 const MASS: u64 = 1 << 2 | 1 << 15;
@@ -102,7 +102,7 @@ pub(crate) struct FlashArray {
 }
 
 impl FlashArray {
-    /// As after a reset; the array keeps its contents.
+    /// Resets the controller; the array keeps its contents.
     pub(crate) fn reset(&mut self) {
         *self = Self::default();
     }

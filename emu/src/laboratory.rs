@@ -124,7 +124,7 @@ impl Laboratory {
         }
     }
 
-    /// With these converters, at the ranges of an uncalibrated board.
+    /// Uses these converters, at the ranges of an uncalibrated board.
     pub fn with_converters(mut self, converters: Converters) -> Self {
         self.chain = Chain::new(converters);
         self.wired = [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS];
@@ -137,12 +137,12 @@ impl Laboratory {
         self
     }
 
-    /// With converter ranges other than those of an uncalibrated board.
+    /// Uses converter ranges other than those of an uncalibrated board.
     pub fn wired(self, wired: Calibration) -> Self {
         self.wired_each([wired; MAX_ACTUATORS])
     }
 
-    /// With converter ranges for each actuator.
+    /// Uses separate converter ranges for each actuator.
     pub fn wired_each(mut self, wired: [Calibration; MAX_ACTUATORS]) -> Self {
         self.wired = wired;
         self
@@ -160,19 +160,19 @@ impl Laboratory {
         self
     }
 
-    /// With one register wrong.
+    /// Makes one register wrong.
     pub fn mutated(mut self, mutant: Option<Mutant>) -> Self {
         self.mutant = mutant;
         self
     }
 
-    /// With a rig that sinks at this velocity while it has no permission to move, m/s, to six tenths of its stroke.
+    /// Lets the rig sink at this velocity, m/s, while it has no permission to move, to six tenths of its stroke.
     pub fn sinking(mut self, m_per_s: f64) -> Self {
         self.sinks_m_per_s = m_per_s;
         self
     }
 
-    /// With valves that limit their actuators' velocity, m/s.
+    /// Adds valves that limit their actuators' velocity, m/s.
     pub fn with_valves(mut self, m_per_s: f64) -> Self {
         self.valve_m_per_s = m_per_s;
         self

@@ -65,14 +65,14 @@ impl Nucleo {
         })
     }
 
-    /// With this supply, mV; 3300 on a healthy board.
+    /// Sets the supply, mV; 3300 on a healthy board.
     #[must_use]
     pub fn supplied(mut self, supply_mv: u32) -> Self {
         self.chip.set_supply(supply_mv);
         self
     }
 
-    /// With access to the processor's bits.
+    /// Adds access to the processor's bits.
     #[must_use]
     pub fn with_core_bits(mut self, bits: CoreBits) -> Self {
         self.core_bits = Some(bits);

@@ -23,7 +23,7 @@ pub(crate) struct Readings {
 pub(crate) struct Placed {
     pub(crate) physics: Physics,
     pub(crate) strength: f64,
-    /// In units of the channel's floor.
+    /// Its size, in units of the channel's floor.
     pub(crate) size: f64,
 }
 

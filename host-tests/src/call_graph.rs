@@ -35,7 +35,7 @@ enum Flow {
 }
 
 impl CallGraph {
-    /// Of an ELF image.
+    /// The call graph of an ELF image.
     ///
     /// # Errors
     /// It is not an ELF image, or has no code.

@@ -26,7 +26,7 @@ struct Oscillator {
 type State = [f64; 3];
 
 impl Oscillator {
-    /// From an answer that names the element.
+    /// An oscillator from an answer that names the element.
     fn of(answer: &ChannelAnswer) -> Option<Self> {
         let refitted = |name: &str| {
             answer

@@ -11,9 +11,9 @@ use nalgebra::{Matrix2, SMatrix, SymmetricEigen, Vector2};
 pub struct InterfaceFrame {
     /// kg, kg m^2.
     pub mass: Matrix2<f64>,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Matrix2<f64>,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Matrix2<f64>,
 }
 

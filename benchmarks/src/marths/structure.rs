@@ -28,9 +28,9 @@ type Vector = SVector<f64, DOF>;
 pub struct FrameMatrices {
     /// kg, kg m^2.
     pub mass: Whole,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Whole,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Whole,
 }
 
@@ -50,9 +50,9 @@ pub enum MatrixKind {
 pub struct PhysicalMatrices {
     /// kg, kg m^2.
     pub mass: Matrix3<f64>,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Matrix3<f64>,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Matrix3<f64>,
 }
 

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 const DISPLACEMENT_CHANNEL: u8 = 3;
 const FORCE_CHANNEL: u8 = 10;
 
-// Of ADC2.
+// Channels of ADC2.
 const COMMAND_CHANNEL: u8 = 4;
 const SECOND_DISPLACEMENT_CHANNEL: u8 = 13;
 const ACCELERATION_CHANNEL: u8 = 12;

@@ -64,7 +64,7 @@ impl Converters {
 }
 
 impl Nucleo {
-    /// With the external converters; the chip's own need nothing.
+    /// Adds the external converters; the chip's own need nothing.
     #[must_use]
     pub fn with_converters(mut self, converters: Converters) -> Self {
         if converters != Converters::Internal {

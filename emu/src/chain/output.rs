@@ -40,7 +40,7 @@ pub struct OnBus {
 }
 
 impl OnBus {
-    /// As after power-up.
+    /// The state after power-up.
     pub fn new(chip: impl Output + 'static) -> Self {
         Self {
             chip: Box::new(chip),

@@ -65,19 +65,19 @@ pub struct Flip {
 /// Which bit.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
-    /// By a number modulo the number of bits of all registers.
+    /// A bit of a core register, by a number modulo the number of bits of all registers.
     Core(u32),
-    /// By a number modulo the number of bits between the stack pointer and the top of the stack.
+    /// A bit of the stack, by a number modulo the number of bits between the stack pointer and the top of the stack.
     Stack(u32),
-    /// Of a byte of memory.
+    /// A bit of a byte of memory.
     Memory(u64, u32),
-    /// Of a register of a peripheral.
+    /// A bit of a register of a peripheral.
     Peripheral(u64, u32),
-    /// Of a register of the processor's own peripherals.
+    /// A bit of a register of the processor's own peripherals.
     System(u64, u32),
-    /// Of the next frame from the input converter; 0 is the first on the line.
+    /// A bit of the next frame from the input converter; 0 is the first on the line.
     Input(u32),
-    /// Of the next command to the output converter; 0 is the last on the line.
+    /// A bit of the next command to the output converter; 0 is the last on the line.
     Output(u32),
 }
 
@@ -92,7 +92,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Of an image.
+    /// The ranges of an image.
     ///
     /// # Errors
     /// A sentence: the image lacks a symbol.

@@ -154,9 +154,9 @@ fn trial(firmware: &Firmware, role: Role) -> Result<(), String> {
 enum Role {
     /// The reference for the comparison.
     Reference(Arc<Mutex<Reference>>),
-    /// To be copied at each flip.
+    /// The test that is copied at each flip.
     Original(Original),
-    /// To see what becomes of a flip.
+    /// A copy that shows what becomes of a flip.
     Copy {
         watch: Watch,
         plan: Arc<Reference>,

@@ -20,7 +20,7 @@ const SPI1_DR: u64 = 0x4001_300c;
 
 /// A bit that is clear in TIM2's period at 2 kHz: set, it makes 107 536 ticks of 42 000.
 const SLOW_BIT: u32 = 16;
-/// One that is set: cleared, it makes 33 808.
+/// A bit that is set in it: cleared, it makes 33 808.
 const FAST_BIT: u32 = 13;
 
 /// GPIOEEN in RCC_AHB1ENR.

@@ -338,7 +338,7 @@ impl Registers {
         self.0.get(&address).copied().unwrap_or(at_reset)
     }
 
-    /// As after a reset.
+    /// Resets all registers.
     pub fn reset(&mut self) {
         self.0.clear();
     }

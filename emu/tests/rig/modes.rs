@@ -26,7 +26,7 @@ fn board(mode: Mode) -> Desk {
     });
     desk.load();
     let mut config = config();
-    // With a predictor, which is faded in again after a hold.
+    // A predictor, which is faded in again after a hold.
     config.compensation.kind = Method::Tangent;
     if ends_by_itself(mode) {
         config.timing.approach_m_per_s = SLOW_M_PER_S;

@@ -82,7 +82,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         share * 100.0,
         status.stack_bytes
     );
-    // With external converters, 11 us of it are waiting.
+    // With external converters it includes 11 us of waiting.
     assert!(share < if external { 0.06 } else { 0.03 }, "{share}");
     let firmware = Firmware::read(image()).unwrap();
     let kib = |bytes: u64| bytes as f64 / 1024.0;

@@ -5,7 +5,7 @@ use super::plan::DETECTION_SIZES;
 use super::run::GradedRecord;
 use super::tally::Tally;
 
-/// One size.
+/// Figures for one size of effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Rms that declared parameters cannot absorb, as a multiple of the noise floor.

@@ -50,9 +50,9 @@ impl Mark {
 /// The mark of a record and of each of its channels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grade {
-    /// Of the whole record.
+    /// The mark of the whole record.
     pub mark: Mark,
-    /// Actuator, specimen.
+    /// The marks of actuator and specimen.
     pub channels: [Mark; 2],
 }
 

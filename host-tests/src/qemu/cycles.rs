@@ -70,7 +70,7 @@ impl Code {
         Self::of(image, "OuterLoop", "4step17")
     }
 
-    /// Of an ELF image: the rig watch's part of every control period after the command.
+    /// The rig watch's part of every control period after the command, in an ELF image.
     ///
     /// # Errors
     /// As [`Code::new`].
@@ -78,7 +78,7 @@ impl Code {
         Self::of(image, "watchers", "9hand_over17")
     }
 
-    /// Of an ELF image: what follows that if the watch's orders change.
+    /// What follows that if the watch's orders change, in an ELF image.
     ///
     /// # Errors
     /// As [`Code::new`].

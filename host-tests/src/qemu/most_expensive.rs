@@ -112,7 +112,7 @@ pub fn most_expensive_stop<const N: usize>(image: &Path, code: &Code) -> Result<
         if period == STANDS_FROM {
             stands_m = sample.displacement_m;
         } else if period > STANDS_FROM {
-            // With its noise: a reading frozen to the bit is not integrated.
+            // It keeps its noise, because a reading that is frozen to the bit is not integrated.
             let noise_m = 2e-5 * ((period % 3) as f32 - 1.0);
             sample.displacement_m = stands_m.map(|m| m + noise_m);
         }

@@ -13,20 +13,20 @@ const MOST_DOUBTFUL: f64 = 0.05;
 pub struct SurveyPromise {
     /// Tests that ran away.
     pub ran_away: usize,
-    /// Of them, called stable.
+    /// How many of them are called stable.
     pub ran_away_called_stable: usize,
     /// Sound tests.
     pub sound: usize,
-    /// Of them, called doubtful.
+    /// How many of them are called doubtful.
     pub sound_called_doubtful: usize,
-    /// Of them, called unstable.
+    /// How many of them are called unstable.
     pub sound_called_unstable: usize,
-    /// Of the sound ones called doubtful or unstable, those with `amb`.
+    /// How many of the sound tests called doubtful or unstable use `amb`.
     pub of_them_amb: usize,
 }
 
 impl SurveyPromise {
-    /// Of [`super::verdicts::table`].
+    /// Counts the rows of [`super::verdicts::table`].
     pub fn of(rows: &[VerdictCounts]) -> Self {
         let of = |tests: &str, truth| {
             let row = rows.iter().find(|r| r.tests == tests && r.truth == truth);
@@ -82,16 +82,16 @@ const LEAST_STOPPED: f64 = 0.99;
 pub struct MonitorPromise {
     /// Sound tests that count.
     pub sound: usize,
-    /// Of them, stopped.
+    /// How many of them are stopped.
     pub sound_stopped: usize,
     /// Broken tests that count.
     pub broken: usize,
-    /// Of them, stopped in time.
+    /// How many of them are stopped in time.
     pub broken_stopped: usize,
 }
 
 impl MonitorPromise {
-    /// Of [`super::monitor::table`].
+    /// Counts the rows of [`super::monitor::table`].
     pub fn of(rows: &[StopCounts]) -> Self {
         let mut promise = Self {
             sound: 0,

@@ -34,7 +34,7 @@ pub fn count(row: &Value, name: &str) -> usize {
 }
 
 impl Goal {
-    /// From figures and their upper limits.
+    /// A goal from figures and their upper limits.
     pub fn new(
         asked: impl Into<String>,
         unit: &'static str,
@@ -56,7 +56,7 @@ impl Goal {
         }
     }
 
-    /// With the reason to give if it is missed.
+    /// Adds the reason to give if it is missed.
     #[must_use]
     pub fn or_because(mut self, why: &'static str) -> Self {
         self.why = (!self.reached()).then_some(why);

@@ -236,7 +236,7 @@ mod tests {
         let mut rows = published();
         assert_eq!(reached(&rows, "official"), [true]);
         assert_eq!(reached(&rows, "own"), [false; 0]);
-        // As JSON has NaN.
+        // This is how a NaN appears in JSON.
         rows[2]["J4"] = Value::Null;
         assert_eq!(reached(&rows, "official"), [false]);
     }

@@ -178,7 +178,7 @@ impl DrawnEffect {
             | Kind::Hum
             | Kind::BearingFriction => other(kind, rig, draw),
         };
-        // With two actuators it is the lower one's.
+        // With two actuators the effect is in the lower one.
         let axis = if rig.storeys > 1 { "axis = 1\n" } else { "" };
         Self {
             kind,

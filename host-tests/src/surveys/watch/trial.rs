@@ -77,9 +77,9 @@ pub struct FaultTrial {
     pub longer: bool,
     /// The compensation learns delay and gain itself: only a late sensor is corrected for.
     pub learns: bool,
-    /// What was named first, in words.
+    /// The first name, in words.
     pub named: Option<String>,
-    /// And in the end.
+    /// The last name, in words.
     pub last: Option<String>,
     /// The first set contains a correct name; the last does; the last contains nothing else.
     pub right: [bool; 3],
@@ -94,11 +94,11 @@ pub struct FaultTrial {
 pub struct Learning {
     /// Its method.
     pub method: &'static str,
-    /// Without the effect.
+    /// The error without the effect.
     pub sound: f64,
-    /// With the effect, and adaptation held by the watch.
+    /// The error with the effect, while the watch holds the adaptation.
     pub guarded: f64,
-    /// With the effect, while it keeps adapting.
+    /// The error with the effect, while it keeps adapting.
     pub unguarded: f64,
 }
 
@@ -370,7 +370,7 @@ impl FaultTrial {
     }
 }
 
-/// All that may be corrected for.
+/// The corrections that are allowed.
 fn allowed(planned: &Planned) -> Result<&'static str, Failure> {
     Ok(match learns(planned)? {
         true => CORRECT_BESIDE,
