@@ -1,5 +1,6 @@
 //! Access to the processor between two runs of instructions: flips a bit, reads registers.
 
+use crate::cores::Cores;
 use crate::flash::Mapped;
 use rigless::emulator::{Processor, Queued};
 use rigless::soc::Width;
@@ -113,10 +114,10 @@ impl CoreBits {
     }
 
     /// Before a run of instructions.
-    pub(crate) fn before(&self, processor: &mut dyn Processor, memory: &Mapped) {
+    pub(crate) fn before(&self, cores: &mut Cores, memory: &Mapped) {
         let turn = self.asked().turn.take();
         if let Some(bit) = turn {
-            turn_over(bit, processor, memory);
+            turn_over(bit, cores, memory);
         }
         let asked = &mut *self.asked();
         if let Some(holds) = asked.holds.take() {
@@ -162,9 +163,10 @@ pub(crate) fn number(xml: &str, name: &str) -> usize {
     panic!("the processor has no register {name}")
 }
 
-fn turn_over(bit: CoreBit, processor: &mut dyn Processor, memory: &Mapped) {
+fn turn_over(bit: CoreBit, cores: &mut Cores, memory: &Mapped) {
     match bit {
         CoreBit::Register(place) => {
+            let processor = cores.now_mut();
             let all: Vec<(usize, Vec<u8>)> = (0..NUMBERS)
                 .filter_map(|number| Some((number, processor.gdb_register(number)?)))
                 .collect();
@@ -182,9 +184,10 @@ fn turn_over(bit: CoreBit, processor: &mut dyn Processor, memory: &Mapped) {
         CoreBit::Memory { address, bit } => {
             let byte = memory.byte(address).expect("there is memory at it");
             memory.put(address, byte ^ 1 << bit);
-            processor.ask(Queued::Invalidate(address, address + 1));
+            cores.ask(Queued::Invalidate(address, address + 1));
         }
         CoreBit::System { address, bit, at } => {
+            let processor = cores.now_mut();
             let mut access = |write| processor.debugger_access(write, address, Width::W32, at);
             if let Some(value) = access(None) {
                 access(Some(value ^ 1 << bit));

@@ -11,6 +11,8 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 use std::ops::Range;
 
+/// Both banks.
+const ARRAY: Range<u64> = 0x0800_0000..0x0820_0000;
 const SECOND_BANK: Range<u64> = 0x0810_0000..0x0820_0000;
 
 const SR: u64 = 0x4002_3c0c;
@@ -99,12 +101,19 @@ pub(crate) struct FlashArray {
     /// It has ended, and the flag has not been cleared.
     ended: bool,
     queued: Vec<Queued>,
+    /// Ranges that have changed since the last call of `changed`.
+    changed: Vec<Range<u64>>,
 }
 
 impl FlashArray {
     /// Resets the controller; the array keeps its contents.
     pub(crate) fn reset(&mut self) {
         *self = Self::default();
+    }
+
+    /// Takes the ranges that have changed since the last call.
+    pub(crate) fn changed(&mut self) -> Vec<Range<u64>> {
+        std::mem::take(&mut self.changed)
     }
 
     /// When the word will have been programmed.
@@ -217,6 +226,12 @@ impl CoreBus for FlashBus<'_> {
     fn queued(&mut self) -> Vec<Queued> {
         let mut queued = self.bus.queued();
         queued.append(&mut self.flash.queued);
+        self.flash
+            .changed
+            .extend(queued.iter().filter_map(|queued| match queued {
+                Queued::Invalidate(start, end) if ARRAY.contains(start) => Some(*start..*end),
+                _ => None,
+            }));
         queued
     }
 

@@ -10,7 +10,8 @@
 //!  permission   the chain driven by PERMIT: monostable, relay, contact
 //!  laboratory   runs at every period of the sampling timer: rig, converters, faults
 //!  log          the faults there, and the events and values logged
-//!  processor    the emulator's, with two additions:
+//!  processor    the emulator's, with additions:
+//!  cores        its translations, kept over resets and for the next board
 //!  flash        the memory array of the flash
 //!  core_bits    bit flips in its registers and its memory
 //!  flips        spontaneous bit flips in a running test
@@ -31,6 +32,7 @@
 pub mod chain;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod core_bits;
+mod cores;
 mod flash;
 #[cfg(unix)]
 pub mod flips;

@@ -16,6 +16,7 @@ mod mutant;
 mod mutants;
 mod orders;
 mod priorities;
+mod reused;
 mod settings;
 mod stopped;
 mod whole_test;
