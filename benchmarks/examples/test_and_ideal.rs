@@ -1,8 +1,8 @@
-//! What a test of a Monte Carlo costs: the test itself, and the ideal that it is judged by, once through the whole loop and
-//! once by core's integration alone. Both have the same bits (a test in `core/src/ideal.rs` and an assertion here).
+//! The cost of one test of a Monte Carlo: the test itself, and the ideal that it is compared with, once through the whole loop
+//! and once by core's integration alone. Both ideals agree to the bit (a test in `core/src/ideal.rs` and an assertion here).
 //!
-//! `cargo run --release -p benchmarks --example test_and_ideal`. Ways are taken in turn; of each the best of several runs
-//! counts: other work slows a run down, nothing makes it faster.
+//! `cargo run --release -p benchmarks --example test_and_ideal`. The ways run in turn, and the best of several runs counts for
+//! each: other work can slow a run down, but nothing makes it faster.
 
 use outerloop_core::{
     Config, Design, Event, GroundMotion, IdealTest, Method, Mode, OuterLoop, Sample,
@@ -15,9 +15,9 @@ use std::time::Instant;
 const STEPS: usize = 20_000;
 const RUNS: usize = 300;
 const STIFFNESS_N_PER_M: f64 = 158e3;
-/// A control step of a test with its ideal at first, on a core that had nothing else to do, ns.
+/// Time of a control step of a test with its ideal in the first version, on an otherwise idle core, ns.
 const FIRST_NS: f64 = 200.0;
-/// How many times as fast it was to become.
+/// How many times as fast it should become.
 const ASKED: f64 = 4.0;
 
 fn rig(kind: ActuatorKind) -> Rig {
@@ -35,7 +35,7 @@ fn design(method: Method) -> Design<1> {
     Design::new(&config).expect("a possible test")
 }
 
-/// A test through the whole loop; the sum of its commands.
+/// Runs a test through the whole loop; returns the sum of its commands.
 fn whole(method: Method, kind: ActuatorKind, ground: &GroundMotion<'_>) -> f64 {
     let (mut outer, mut rig) = (OuterLoop::new(design(method)), rig(kind));
     let (mut sent_m, mut sum, mut done) = ([0.0; 1], 0.0, 0);
@@ -60,7 +60,7 @@ fn whole(method: Method, kind: ActuatorKind, ground: &GroundMotion<'_>) -> f64 {
     sum
 }
 
-/// The ideal by the integration alone.
+/// Runs the ideal by the integration alone.
 fn alone(ground: &GroundMotion<'_>) -> f64 {
     let (mut test, mut rig) = (
         IdealTest::new(&design(Method::None)),
@@ -76,7 +76,7 @@ fn alone(ground: &GroundMotion<'_>) -> f64 {
     sum
 }
 
-/// The ideal on a linear spring, without a simulated rig.
+/// Runs the ideal on a linear spring, without a simulated rig.
 fn on_a_spring(ground: &GroundMotion<'_>) -> f64 {
     let mut test = IdealTest::new(&design(Method::None));
     let mut sum = 0.0;
@@ -88,7 +88,7 @@ fn on_a_spring(ground: &GroundMotion<'_>) -> f64 {
     sum
 }
 
-/// The ideals of four tests on springs, step by step in turn: what one waits for is time for the others.
+/// Runs the ideals of four tests on springs, step by step in turn: while one waits for a result, the others compute.
 fn in_turn(ground: &GroundMotion<'_>) -> f64 {
     let design = design(Method::None);
     let mut tests: [IdealTest<1>; 4] = core::array::from_fn(|_| IdealTest::new(&design));

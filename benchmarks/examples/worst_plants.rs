@@ -1,4 +1,4 @@
-//! How the worst of twenty drawn plants is spread over draws, and what draws give the figures of an independent port.
+//! How the worst of twenty drawn plants varies between draws, and which kind of draw gives the figures of an independent port.
 //!
 //! ```text
 //! cargo run --release -p benchmarks --example worst_plants -- RTHSBENCH_ElCentro.csv
@@ -11,7 +11,7 @@ mod your_controller;
 use benchmarks::rths::published::WORST_DRAWN;
 use benchmarks::rths::{Benchmark, Contestant, RthsRow, Rules};
 
-/// Draws of twenty plants a case.
+/// Number of draws of twenty plants for each case.
 const SEEDS: u64 = 9;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,14 +1,14 @@
-//! By how much a filter that knows the law of a specimen lowers the error that the noise of the force makes.
+//! By how much a filter that knows the law of a specimen reduces the error caused by the noise of the force.
 //!
 //! ```text
 //! cargo run --release -p benchmarks --example yielding_noise -- RECORD.csv...
 //! ```
 //!
-//! The structure of Table 1 of the paper on an ideal actuator, its specimen yielding at 30 mm with a hardening of .05, the
-//! force with the paper's noise of 2667 N rms. The law has three unknowns, `R = a x + z`: the hardening's stiffness `a`, and a
-//! spring of stiffness `k` in `z` that slips at `z_y`. Between two reversals it is linear in them, so they are found by
-//! recursive least squares along the path of the *target*, which has no noise. Above the corner the force answers to the law,
-//! below it to the reading: a law that is not the specimen's cannot stray for longer than that.
+//! The structure of Table 1 of the paper is tested on an ideal actuator. Its specimen yields at 30 mm with a hardening of .05,
+//! and the force has the paper's noise of 2667 N rms. The law `R = a x + z` has three unknowns: the hardening stiffness `a`,
+//! and for `z` a spring of stiffness `k` that slips at `z_y`. Between two reversals the law is linear in them, so they are
+//! found by recursive least squares along the path of the *target*, which has no noise. Above the corner frequency the force
+//! follows the law, below it the reading, so a wrong law cannot lead it astray for long.
 
 #[allow(dead_code)] // Only its reading of a record is used.
 #[path = "your_controller.rs"]
@@ -28,7 +28,7 @@ const RATE_HZ: f64 = 2000.0;
 const DURATION_S: f64 = 40.0;
 const SEEDS: u64 = 9;
 
-/// The law, and what of it has been learnt.
+/// The law, and what has been learnt of it.
 struct Law {
     /// `a`, `k` and `z_y`.
     unknown: [f64; 3],
@@ -36,13 +36,13 @@ struct Law {
     /// How `z` depends on `k` and `z_y`.
     spring: [f64; 2],
     at_m: f64,
-    /// Corner below which the reading counts, as a share of a step; `None`: the law alone.
+    /// Corner below which the reading counts, as a share per step; `None` for the law alone.
     share: Option<f64>,
     correction_n: f64,
 }
 
 impl Law {
-    /// With its numbers off by `off`, known to 20 %.
+    /// A law whose numbers are wrong by the factor `1 + off` and declared to be known to 20 %.
     fn new(off: f64, corner_hz: Option<f64>) -> Self {
         let k = (1.0 - HARDENING) * STIFFNESS_N_PER_M;
         let unknown = [HARDENING * STIFFNESS_N_PER_M, k, k * YIELD_M].map(|x| x * (1.0 + off));
@@ -60,7 +60,7 @@ impl Law {
         }
     }
 
-    /// The force at the target, N, of which `read_n` was read.
+    /// The estimated force at the target, N, where `read_n` was read.
     fn force_n(&mut self, target_m: f64, read_n: f64) -> f64 {
         self.spring[0] += target_m - self.at_m;
         self.at_m = target_m;
@@ -90,7 +90,7 @@ impl Law {
     }
 }
 
-/// Displacements of the structure, m, where `force_n` makes of target and reading what is integrated.
+/// Displacements of the structure, m. `force_n` turns target and reading into the force that is integrated.
 fn response(
     ground: &[f64],
     kind: SpecimenKind,
@@ -119,7 +119,7 @@ fn response(
     path
 }
 
-/// Eq 18: root mean square of the difference over the largest displacement without noise.
+/// Eq. 18: root mean square of the difference over the largest displacement without noise.
 fn eps_rms(path: &[f64], exact: &[f64]) -> f64 {
     let square = path
         .iter()

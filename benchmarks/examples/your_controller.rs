@@ -1,17 +1,17 @@
-//! A controller from outside on the benchmark problem of real-time hybrid simulation: one file, closed loop, all four cases,
-//! drawn plants and all. Copy it into a crate of your own that depends on `benchmarks`, and put your law into `command_m`.
+//! A controller of another crate on the benchmark problem of real-time hybrid simulation: one file, closed loop, all four
+//! cases, with drawn plants. Copy it into your own crate, which depends on `benchmarks`, and put your law into `command_m`.
 //!
 //! ```text
 //! cargo run --release -p benchmarks --example your_controller -- RECORD.csv      # time_s,acc_g, as RTHSBENCH_ElCentro.csv
 //! ```
 //!
-//! Without a record the ground is shaken by a few sines. `outerloop benchmark rths` prints the rows of the others.
+//! Without a record the ground motion is a few sines. `outerloop benchmark rths` prints the rows of the other controllers.
 
 use benchmarks::rths::controller::{Controller, ControllerInput, DeclaredPlant, Outside};
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow, Rules};
 
-/// The target 25 ms ahead, along a line: what one would try first.
+/// The target extrapolated linearly by 25 ms: what one would try first.
 struct Ahead {
     samples: f64,
     last_m: f64,
@@ -26,7 +26,7 @@ impl Controller for Ahead {
     }
 }
 
-/// What the table says of it.
+/// Its entry in the table.
 static ENTRY: Outside = Outside {
     name: "ahead",
     told: "the delay",
@@ -38,7 +38,7 @@ static ENTRY: Outside = Outside {
     },
 };
 
-/// Its rows, one a case.
+/// Its rows and those of the published controller, one for each case.
 pub fn rows(
     record: GroundRecord,
     rules: &Rules,
@@ -57,7 +57,7 @@ pub fn rows(
     bench.rows(|_| std::ops::ControlFlow::Continue(()))
 }
 
-/// A few sines, swelling and dying, for a first look without the problem's records.
+/// A few sines that swell and fade, for a first look without the problem's records.
 pub fn sines(rules: &Rules) -> GroundRecord {
     let points: Vec<f32> = (0..600)
         .map(|i| {
@@ -69,7 +69,7 @@ pub fn sines(rules: &Rules) -> GroundRecord {
     GroundRecord::new("sines", &points, 0.01, rules, Behaviour::Linear)
 }
 
-/// Interval (s) and accelerations (m/s^2) of a record of two columns, time in s and acceleration in g, below a line of heads.
+/// Interval (s) and accelerations (m/s^2) of a record with two columns, time in s and acceleration in g, below a header line.
 pub fn points(path: &str) -> Result<(f64, Vec<f32>), Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(path)?;
     let mut rows = Vec::new();

@@ -1,12 +1,12 @@
-//! A controller from outside on the multi-axial benchmark problem: one file, closed loop, drawn plants and all. Copy it into a
-//! crate of your own that depends on `benchmarks`, and put your law into `command`.
+//! A controller of another crate on the multi-axial benchmark problem: one file, closed loop, with drawn plants. Copy it into
+//! your own crate, which depends on `benchmarks`, and put your law into `command`.
 //!
 //! ```text
 //! cargo run --release -p benchmarks --example your_pair -- DATA/marths DATA/ground-motion/RTHSBENCH_ElCentro.csv
 //! ```
 //!
 //! The folder holds the problem's own files: `K_matrix.csv`, `M_matrix.csv`, `initial_parameters.csv`. `outerloop benchmark
-//! marths` prints the rows of the others.
+//! marths` prints the rows of the other controllers.
 
 #[allow(dead_code)] // Only its reading of a record is used.
 #[path = "your_controller.rs"]
@@ -20,8 +20,8 @@ use benchmarks::marths::table::{HEAD, cells};
 use std::error::Error;
 use std::path::Path;
 
-/// Each target as far ahead, along a line, as its actuator is late: what one would try first. The actuators feel each other,
-/// which this law does not know.
+/// Each target extrapolated linearly by its actuator's delay: what one would try first. The actuators are coupled, which this
+/// law does not know.
 struct Ahead {
     samples: [f64; 2],
     last_m: [f64; 2],
@@ -49,7 +49,7 @@ static ENTRY: OutsidePair = OutsidePair {
     },
 };
 
-/// Its row and that of sending the targets as they are.
+/// Its row and the one for sending the targets unchanged.
 pub fn rows(folder: &Path, record: &str, plants: usize) -> Result<Vec<MarthsRow>, Box<dyn Error>> {
     let read = |name: &str| std::fs::read_to_string(folder.join(name));
     let problem = Problem::parse(

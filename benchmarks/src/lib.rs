@@ -12,12 +12,12 @@ pub mod linear;
 pub mod marths;
 pub mod rths;
 
-/// Why a benchmark cannot be run: one sentence that names what, where and which value.
+/// Why a benchmark cannot run: one sentence that names what, where and which value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused(String);
 
 impl Refused {
-    /// With its sentence.
+    /// Makes one from its sentence.
     pub fn new(sentence: impl Into<String>) -> Self {
         Self(sentence.into())
     }

@@ -1,12 +1,12 @@
-//! Linear systems side by side, and sections by the trapezoidal rule; a single system is [`plant::linear::Linear`].
+//! Linear systems side by side, and first-order sections by the trapezoidal rule. A single system is [`plant::linear::Linear`].
 
 use nalgebra::SMatrix;
 
-/// `L` linear systems of one size side by side, with `I` inputs that are constant over a period: every lane has the very
-/// operations, in the very order, that it would have alone.
+/// `L` linear systems of the same size side by side, with `I` inputs that are constant over a period. Every lane has the same
+/// operations in the same order as it would have alone.
 #[derive(Clone, Debug)]
 pub struct Lanes<const S: usize, const I: usize, const L: usize> {
-    /// By column, then by row: what is added up for all rows at once are products of one state.
+    /// By column, then by row: all rows add their product with one state at once.
     transition: [[[f64; L]; S]; S],
     input: [[[f64; L]; S]; I],
     /// The states.
@@ -14,7 +14,7 @@ pub struct Lanes<const S: usize, const I: usize, const L: usize> {
 }
 
 impl<const S: usize, const I: usize, const L: usize> Lanes<S, I, L> {
-    /// From transition and input matrices, at rest.
+    /// Systems at rest, from transition and input matrices.
     pub fn new(systems: &[(SMatrix<f64, S, S>, SMatrix<f64, S, I>); L]) -> Self {
         use std::array::from_fn;
         Self {
@@ -24,7 +24,7 @@ impl<const S: usize, const I: usize, const L: usize> Lanes<S, I, L> {
         }
     }
 
-    /// One period.
+    /// Advances by one period.
     #[inline(always)]
     pub fn step(&mut self, input: &[[f64; L]; I]) {
         let mut next = [[0.0; L]; S];
@@ -49,7 +49,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// From the coefficients of `s` and of 1, at rest.
+    /// A section at rest, from the coefficients of `s` and of 1.
     pub fn new(numerator: [f64; 2], denominator: [f64; 2], period_s: f64) -> Self {
         let pair = |p: [f64; 2]| [2.0 * p[0] / period_s + p[1], p[1] - 2.0 * p[0] / period_s];
         let (b, a) = (pair(numerator), pair(denominator));
@@ -79,7 +79,7 @@ mod tests {
         let period = 1.0 / 4096.0;
         let mut lead = Section::new([50.8, 50.8 * 168.6], [1.0, 8570.0], period);
         let w = std::f64::consts::TAU * 5.0;
-        // Correlation over whole cycles after the transient.
+        // Correlate over whole cycles after the transient.
         let (mut re, mut im) = (0.0, 0.0);
         let n = 4096;
         for i in 0..2 * n {

@@ -1,4 +1,4 @@
-//! A controller of another crate gets its rows: the example that the documents point to.
+//! A controller of another crate gets its rows; this is the example that the documentation refers to.
 #![allow(missing_docs)]
 
 use benchmarks::rths::Rules;
@@ -19,7 +19,8 @@ fn a_controller_from_outside_gets_a_row_of_every_case() {
     assert_eq!((theirs.len(), published.len()), (4, 4));
     for (row, baseline) in theirs.iter().zip(published) {
         assert_eq!((row.told, row.perturbed), ("the delay", 3));
-        // A motion of 2 to 4 Hz: a line 25 ms ahead leaves (omega tau)^2 / 2 of it, and some per cent of the actuator's gain.
+        // At 2 to 4 Hz, linear extrapolation by 25 ms leaves an error of (omega tau)^2 / 2, and the actuator's gain adds
+        // some per cent.
         assert!(row.j2_true > 1.0 && row.j2_true < 30.0, "{}", row.j2_true);
         assert!(row.j4_worst > 0.0 && row.j4_worst.is_finite());
         assert!(

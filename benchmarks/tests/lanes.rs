@@ -1,4 +1,4 @@
-//! Trials side by side have the bits that they have one by one.
+//! Trials side by side have the same bits as trials run one by one.
 #![allow(missing_docs)]
 
 use benchmarks::rths::case::CASES;
@@ -8,7 +8,7 @@ use benchmarks::rths::trial::{Official, run};
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Contestant, GroundRecord, Rules};
 
-/// Three seconds of a swelling and dying ground motion of several frequencies, m/s^2.
+/// Three seconds of a ground motion of several frequencies that swells and fades, m/s^2.
 fn record(rules: &Rules, behaviour: Behaviour) -> GroundRecord {
     let acc: Vec<f32> = (0..300)
         .map(|i| {
@@ -57,7 +57,7 @@ fn four_lanes_are_four_trials() {
     }
 }
 
-/// What the delay of the force costs whoever tracks without an error: the specimen is where the target was.
+/// What the delay of the force costs a controller that tracks without error.
 #[test]
 fn the_unit_delay_costs_a_perfect_tracker_most_of_what_is_left() {
     let j4 = |rules: &Rules| {
@@ -74,7 +74,7 @@ fn the_unit_delay_costs_a_perfect_tracker_most_of_what_is_left() {
     };
     let official = j4(&Rules::official());
     let without = j4(&Rules::official().with("no-unit-delay").unwrap());
-    // Of one sample and a half, the half for which the force is held is left.
+    // Of the delay of one and a half samples, the half for which the force is held remains.
     assert!(
         (without / official - 1.0 / 3.0).abs() < 0.05,
         "{without} of {official}"

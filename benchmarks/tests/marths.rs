@@ -1,4 +1,4 @@
-//! The multi-axial benchmark against the figures that an independent port of the problem gave.
+//! The multi-axial benchmark compared with the figures of an independent port of the problem.
 #![allow(missing_docs)]
 
 use benchmarks::marths::bench::{MarthsRecord, MarthsRow, Problem, rows};
@@ -109,7 +109,7 @@ fn a_pair_of_coupled_actuators_is_tracked_on_drawn_plants() {
     below(coupled.worst.j5, [0.4, 1.0]);
     close("J7 at its floor", coupled.worst.j7, coupled.j7_floor, 0.1);
     below(raw.worst.j2_true, raw.j2_true_floor.map(|f| f + 0.1));
-    // Without the estimation a drawn plant shows: what the estimation is for.
+    // Without the estimation the errors of a drawn plant are visible, which is what the estimation is for.
     assert!(
         fixed.worst.j2_true[0] > 10.0 * raw.worst.j2_true[0],
         "{fixed:?}"

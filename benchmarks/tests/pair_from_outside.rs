@@ -1,4 +1,4 @@
-//! A pair of commands of another crate gets its row of the multi-axial problem.
+//! A controller of another crate gets its row of the multi-axial problem.
 #![allow(missing_docs)]
 
 #[allow(dead_code)] // Its `main` prints.
@@ -23,7 +23,7 @@ fn a_pair_from_outside_gets_a_row_of_the_multi_axial_problem() {
         ("none", "ahead")
     );
     assert_eq!((ahead.worst.perturbed, ahead.worst.lost), (2, 0));
-    // The delay is most of what sending the targets as they are is off by.
+    // The delay causes most of the error of sending the targets unchanged.
     for i in 0..2 {
         assert!(ahead.j.j2[i] < 0.7 * as_they_are.j.j2[i], "{rows:?}");
     }

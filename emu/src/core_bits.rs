@@ -1,4 +1,4 @@
-//! What is asked of the processor between two stretches of instructions: a bit that turns over, and what it holds.
+//! Access to the processor between two runs of instructions: flips a bit, reads registers.
 
 use crate::cores::Cores;
 use crate::flash::Mapped;
@@ -9,22 +9,22 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Numbers by which GDB knows a register of this processor lie below this.
+/// GDB's register numbers of this processor are below this.
 const NUMBERS: usize = 64;
 
-/// A bit of the processor's own.
+/// A bit of the processor or its memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CoreBit {
-    /// Of one of the registers that a program computes with, by a number that is taken modulo of what there is.
+    /// A bit of a core register, by a number modulo the number of bits of all of them.
     Register(u32),
-    /// Of a byte of the memory, the flash among it.
+    /// A bit of a byte of memory, including the flash.
     Memory {
         /// The byte.
         address: u64,
         /// The bit.
         bit: u32,
     },
-    /// Of a register of the processor's own peripherals: interrupts, memory protection.
+    /// A bit of a register of the processor's own peripherals (interrupts, memory protection).
     System {
         /// The register.
         address: u64,
@@ -39,16 +39,16 @@ pub(crate) enum CoreBit {
 struct Asked {
     turn: Option<CoreBit>,
     stack_pointer: u64,
-    /// Registers of the processor's own peripherals that are looked at, with what was found last.
+    /// Registers of the processor's own peripherals that are watched, with their last values.
     system: BTreeMap<u64, Option<u64>>,
-    /// Every value of BASEPRI that was seen.
+    /// Every value of BASEPRI seen.
     masks: BTreeSet<u8>,
-    /// Bytes among which one is sought, and what it holds now.
+    /// Candidate addresses of a byte that is sought, and the value that it holds now.
     sought: Vec<u64>,
     holds: Option<u8>,
 }
 
-/// What is asked of the processor, and what it tells. Clones are of the same processor.
+/// Requests to the processor, and its answers. Clones refer to the same processor.
 #[derive(Clone, Debug, Default)]
 pub struct CoreBits(Arc<Mutex<Asked>>);
 
@@ -57,63 +57,63 @@ impl CoreBits {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Turns a bit over before the next instruction.
+    /// Flips a bit before the next instruction.
     pub(crate) fn turn_over(&self, bit: CoreBit) {
         self.asked().turn = Some(bit);
     }
 
-    /// Turns a bit of r0 to r15, the program counter, over before the next instruction.
+    /// Flips a bit of r0 to r15 (the program counter) before the next instruction.
     pub fn turn_over_register(&self, number: u32, bit: u32) {
         self.turn_over(CoreBit::Register(32 * number + bit));
     }
 
-    /// Turns a bit of a byte of the memory over before the next instruction.
+    /// Flips a bit of a byte of memory before the next instruction.
     pub fn turn_over_byte(&self, address: u64, bit: u32) {
         self.turn_over(CoreBit::Memory { address, bit });
     }
 
-    /// Turns a bit of a register of the processor's own peripherals over before the next instruction; none that counts.
+    /// Flips a bit of a register of the processor's own peripherals before the next instruction; not for a counter.
     pub fn turn_over_system(&self, address: u64, bit: u32) {
         let at = VirtualNanos(0);
         self.turn_over(CoreBit::System { address, bit, at });
     }
 
-    /// Has a byte sought among these.
+    /// Starts a search for a byte among these addresses.
     pub fn seek(&self, ranges: impl IntoIterator<Item = Range<u64>>) {
         self.asked().sought = ranges.into_iter().flatten().collect();
     }
 
-    /// Before the next instruction it holds this: others are no longer among them.
+    /// Keeps only the addresses that hold this value before the next instruction.
     pub fn holds(&self, byte: u8) {
         self.asked().holds = Some(byte);
     }
 
-    /// What is left of them.
+    /// The addresses that remain.
     pub fn sought(&self) -> Vec<u64> {
         self.asked().sought.clone()
     }
 
-    /// Where the stack pointer is.
+    /// The stack pointer.
     pub(crate) fn stack_pointer(&self) -> u64 {
         self.asked().stack_pointer
     }
 
-    /// Has these registers of the processor's own peripherals looked at while it runs.
+    /// Watches these registers of the processor's own peripherals while it runs.
     pub fn look_at(&self, registers: impl IntoIterator<Item = u64>) {
         self.asked().system = registers.into_iter().map(|at| (at, None)).collect();
     }
 
-    /// What was found in one of them last.
+    /// The last value of one of them.
     pub fn found(&self, register: u64) -> Option<u64> {
         self.asked().system.get(&register).copied().flatten()
     }
 
-    /// What critical sections have masked so far: the values of BASEPRI between two stretches of instructions.
+    /// What critical sections have masked so far: the values of BASEPRI between two runs of instructions.
     pub fn masks(&self) -> BTreeSet<u8> {
         self.asked().masks.clone()
     }
 
-    /// Before a stretch of instructions.
+    /// Before a run of instructions.
     pub(crate) fn before(&self, cores: &mut Cores, memory: &Mapped) {
         let turn = self.asked().turn.take();
         if let Some(bit) = turn {
@@ -126,7 +126,7 @@ impl CoreBits {
         }
     }
 
-    /// Behind it, with the debugger's number of BASEPRI.
+    /// After it, with the debugger's number of BASEPRI.
     pub(crate) fn behind(&self, processor: &mut dyn Processor, basepri: usize) {
         let pointer = processor.gdb_register(13);
         let pointer = pointer.and_then(|bytes| Some(u32::from_le_bytes(bytes.try_into().ok()?)));
@@ -142,7 +142,7 @@ impl CoreBits {
     }
 }
 
-/// The debugger's number of a register: they count on from the last one whose number is said.
+/// The debugger's number of a register; numbers continue from the last one given explicitly.
 pub(crate) fn number(xml: &str, name: &str) -> usize {
     let mut number = 0;
     for register in xml.split("<reg ").skip(1) {

@@ -1,9 +1,10 @@
-//! The emulator's processor, and what it has translated of the image.
+//! The emulator's processor, and its translations of the image.
 //!
-//! Two thirds of a short scenario's time went into translating the image's instructions: the emulator forgets them at each reset,
-//! and when the memory protection is switched on. So one processor runs until the image has closed its stack guard, and a second
-//! one from there on. A reset goes back to the first and leaves the second alone, and so does the end of a board: the next board
-//! of this program with the same image goes on with it. State goes from one to the other as into a snapshot and out of it.
+//! Two thirds of the time of a short scenario went into translating the image's instructions, because the emulator discards its
+//! translations at each reset and when the memory protection is switched on. So one processor runs until the image has closed
+//! its stack guard, and a second one from then on. A reset goes back to the first and leaves the second alone. At the end of a
+//! board the second one is kept too, and the program's next board with the same image uses it. State is passed between the two
+//! by saving and loading a snapshot.
 
 use crate::flash::Mapped;
 use rigless::emulator::{Error, Processor, Queued};
@@ -14,14 +15,15 @@ use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Control register of the memory protection, and its bit that switches it on.
+/// Control register of the memory protection; `ENABLE` is the bit that switches it on.
 const MPU_CTRL: u64 = 0xe000_ed94;
 const ENABLE: u64 = 1;
 
-/// Where the image is.
+/// Addresses of the image.
 const FIRST_BANK: Range<u64> = 0x0800_0000..0x0810_0000;
 
-/// Processors kept for later boards, at most: three threads run boards at a time, and some images are used once.
+/// Largest number of processors kept for later boards: three threads run boards at the same time, and some images are used only
+/// once.
 const MOST_KEPT: usize = 6;
 
 static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
@@ -33,12 +35,12 @@ fn kept() -> MutexGuard<'static, Vec<Kept>> {
 /// A processor without a board.
 struct Kept {
     image: u64,
-    /// The memory that it knows, start, length and whether it may be written; all of it is mapped anew before it runs.
+    /// Its memory: start, length and whether it is writable. All of it is mapped anew before it runs.
     ranges: Vec<(u64, u64, bool)>,
     processor: Box<dyn Processor>,
 }
 
-/// Memory of this process that stands for the chip's.
+/// Memory of this process that represents the chip's.
 #[derive(Clone, Copy, Debug)]
 struct Mapping {
     start: u64,
@@ -54,13 +56,13 @@ pub(crate) struct Cores {
     make: Make,
     unguarded: Box<dyn Processor>,
     guarded: Option<Box<dyn Processor>>,
-    /// The second one runs.
+    /// Whether the second one runs.
     is_guarded: bool,
     mapped: Vec<Mapping>,
-    /// Asked for by the run, and not of the processor's state.
+    /// Requested by the run, and not part of the processor's state; so are the breakpoints.
     routed: BTreeSet<u64>,
     breakpoints: Vec<u64>,
-    /// Of the flash, what has changed since the image was looked at.
+    /// Ranges of memory that is not writable (the flash) that have changed since the image was hashed.
     changed: Vec<Range<u64>>,
     image: u64,
 }
@@ -72,7 +74,7 @@ impl std::fmt::Debug for Cores {
 }
 
 impl Cores {
-    /// As it comes out of the box, made by `make`.
+    /// A new processor, made by `make`.
     pub(crate) fn new(make: Make) -> Result<Self, Error> {
         Ok(Self {
             unguarded: make()?,
@@ -87,7 +89,7 @@ impl Cores {
         })
     }
 
-    /// The one that runs.
+    /// The processor that runs.
     pub(crate) fn now(&self) -> &dyn Processor {
         match &self.guarded {
             Some(guarded) if self.is_guarded => guarded.as_ref(),
@@ -95,7 +97,7 @@ impl Cores {
         }
     }
 
-    /// The one that runs.
+    /// The processor that runs.
     pub(crate) fn now_mut(&mut self) -> &mut dyn Processor {
         match &mut self.guarded {
             Some(guarded) if self.is_guarded => guarded.as_mut(),
@@ -103,7 +105,7 @@ impl Cores {
         }
     }
 
-    /// Both.
+    /// Calls `tell` with each processor.
     pub(crate) fn each(&mut self, mut tell: impl FnMut(&mut dyn Processor)) {
         tell(self.unguarded.as_mut());
         if let Some(guarded) = &mut self.guarded {
@@ -114,7 +116,7 @@ impl Cores {
     /// See [`Processor::map`].
     ///
     /// # Safety
-    /// As there.
+    /// The same as for that function.
     pub(crate) unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, writable: bool) {
         self.mapped.push(Mapping {
             start,
@@ -122,7 +124,7 @@ impl Cores {
             host: host as usize,
             writable,
         });
-        // SAFETY: what the caller promises is promised on.
+        // SAFETY: the caller's guarantee is passed on.
         unsafe { self.unguarded.map(start, length, host, writable) };
     }
 
@@ -141,7 +143,7 @@ impl Cores {
         self.now_mut().ask(queued);
     }
 
-    /// These bytes have changed, and the processor has been told.
+    /// Notes that these bytes have changed, of which the processor has already been told.
     pub(crate) fn changed(&mut self, range: Range<u64>) {
         let is_written =
             |m: &Mapping| m.writable && (m.start..m.start + m.length).contains(&range.start);
@@ -167,7 +169,7 @@ impl Cores {
         self.now_mut().remove_breakpoint(address);
     }
 
-    /// After a stretch of instructions: the second processor goes on once the stack guard is closed.
+    /// After a run of instructions: the second processor takes over once the stack guard is closed.
     pub(crate) fn after_a_stretch(&mut self, memory: &Mapped) {
         if self.is_guarded {
             return;
@@ -184,8 +186,8 @@ impl Cores {
             };
             for m in &self.mapped {
                 let host = m.host as *mut u8;
-                // SAFETY: the run has mapped it for as long as there is this board; behind that its pages are not looked at until
-                // all of them have been mapped anew.
+                // SAFETY: the run has mapped it for the life of this board; after that its pages are not accessed until all of
+                // them have been mapped anew.
                 unsafe { guarded.map(m.start, m.length, host, m.writable) };
             }
             self.guarded = Some(guarded);
@@ -201,7 +203,7 @@ impl Cores {
         self.now_mut().reset();
     }
 
-    /// The other one goes on from where this one stands; this one does, where it refuses.
+    /// Lets the other processor continue from the state of this one; if it refuses the state, this one continues.
     fn hand_over(&mut self, to_guarded: bool) {
         let state = self.now().save();
         self.told(false);
@@ -212,7 +214,7 @@ impl Cores {
         self.told(true);
     }
 
-    /// What the run has asked of the processor, beside its state, is in force, or is not.
+    /// Puts the run's requests that are not part of the processor's state into force, or out of it.
     fn told(&mut self, in_force: bool) {
         let (routed, breakpoints) = (self.routed.clone(), self.breakpoints.clone());
         let now = self.now_mut();
@@ -237,7 +239,7 @@ impl Cores {
         self.mapped.iter().map(of).collect()
     }
 
-    /// One that has run this image.
+    /// A kept processor that has run this image.
     fn taken(&self) -> Option<Box<dyn Processor>> {
         let ranges = self.ranges();
         let mut kept = kept();
@@ -247,7 +249,7 @@ impl Cores {
     }
 }
 
-/// At the end of a board the second one is kept, with what it has translated of the image and nothing that this board has written.
+/// At the end of a board the second processor is kept, with its translations of the image but nothing that this board has written.
 impl Drop for Cores {
     fn drop(&mut self) {
         if self.is_guarded {
@@ -274,7 +276,7 @@ impl Drop for Cores {
     }
 }
 
-/// What the first bank holds.
+/// A hash of the first bank's contents.
 fn image(memory: &Mapped) -> u64 {
     let mut hasher = DefaultHasher::new();
     for byte in FIRST_BANK.map_while(|address| memory.byte(address)) {

@@ -1,9 +1,9 @@
-//! The array behind the flash's controller. The emulator's controller has its registers, with their locks and the time of an erasure,
-//! and no array: a store into the flash is dropped, and nothing is erased. Here a word is programmed and a sector erased, by RM0090
-//! section 3.6 and table 48 of DS9405.
+//! The memory array of the flash. The emulator's flash controller has the registers, with their locks and the duration of an
+//! erase, but no array: a store into the flash is dropped, and nothing is erased. Here a word is programmed and a sector
+//! erased, by RM0090 section 3.6 and table 48 of DS9405.
 //!
-//! The second bank alone is programmed here. A word that is stored while another one is programmed, and one into the bank that the
-//! program runs from, hold the chip up; here they are lost, and whoever reads them back sees it.
+//! Only the second bank can be programmed. A word stored while another one is being programmed, or into the bank that the program
+//! runs from, stalls the chip; here it is lost, and reading it back shows that.
 
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Checked, CoreBus, InterruptLine, Queued};
@@ -18,11 +18,11 @@ const SECOND_BANK: Range<u64> = 0x0810_0000..0x0820_0000;
 const SR: u64 = 0x4002_3c0c;
 const CR: u64 = 0x4002_3c10;
 
-// Of SR.
+// Bits of SR.
 const EOP: u64 = 1;
 const BSY: u64 = 1 << 16;
 
-// Of CR.
+// Bits of CR.
 const PG: u64 = 1;
 const SER: u64 = 1 << 1;
 const MASS: u64 = 1 << 2 | 1 << 15;
@@ -33,16 +33,16 @@ const STRT: u64 = 1 << 16;
 const EOPIE: u64 = 1 << 24;
 const LOCK: u64 = 1 << 31;
 
-/// The number of a sector of the second bank in `SNB` has this bit.
+/// `SNB` has this bit for a sector of the second bank.
 const SNB_SECOND: u64 = 1 << 4;
 
-/// A word is programmed in so long, ns.
+/// Time to program a word, ns.
 const WORD_NS: u64 = 16_000;
 
 /// The flash's interrupt.
 const INTERRUPT: u16 = 4;
 
-/// Where this process has the chip's memory: the run has allocated it, and it outlives the processor.
+/// Where this process has the chip's memory; the run has allocated it, and it outlives the processor.
 #[derive(Debug, Default)]
 pub(crate) struct Mapped(Vec<(Range<u64>, usize)>);
 
@@ -57,9 +57,9 @@ impl Mapped {
         Some((host + (address - range.start) as usize) as *mut u8)
     }
 
-    /// What a byte holds.
+    /// The value of a byte.
     pub(crate) fn byte(&self, address: u64) -> Option<u8> {
-        // SAFETY: `map` was given it, and nothing but the caller runs now.
+        // SAFETY: `map` was given this memory, and only the caller runs now.
         self.place(address).map(|place| unsafe { place.read() })
     }
 
@@ -96,32 +96,32 @@ fn sector(number: u64) -> Option<Range<u64>> {
 #[derive(Debug, Default)]
 pub(crate) struct FlashArray {
     busy_until: Option<VirtualNanos>,
-    /// Its end interrupts.
+    /// Its end raises an interrupt.
     interrupts: bool,
-    /// It has ended, and nobody has cleared that.
+    /// It has ended, and the flag has not been cleared.
     ended: bool,
     queued: Vec<Queued>,
-    /// Bytes of it that have changed since somebody asked.
+    /// Ranges that have changed since the last call of `changed`.
     changed: Vec<Range<u64>>,
 }
 
 impl FlashArray {
-    /// As after a reset; what the array holds stays.
+    /// Resets the controller; the array keeps its contents.
     pub(crate) fn reset(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes what has changed since the last time.
+    /// Takes the ranges that have changed since the last call.
     pub(crate) fn changed(&mut self) -> Vec<Range<u64>> {
         std::mem::take(&mut self.changed)
     }
 
-    /// When the word is programmed.
+    /// When the word will have been programmed.
     pub(crate) fn next_event(&self) -> Option<VirtualNanos> {
         self.busy_until
     }
 
-    /// It is.
+    /// Ends the programming if that is due.
     pub(crate) fn on_event(&mut self, now: VirtualNanos) -> Option<Queued> {
         self.busy_until.take_if(|until| *until <= now)?;
         self.ended = self.interrupts;
@@ -154,14 +154,14 @@ impl<'a> FlashBus<'a> {
         Self { bus, flash, memory }
     }
 
-    /// What the controller has in a register.
+    /// The value of a register of the controller.
     fn register(&mut self, address: u64, now: &Access) -> u64 {
         let read = Access::new(AccessKind::Read, address, Width::W32, 0);
         let read = read.at(now.instruction_count, now.virtual_time);
         self.bus.access(read, false).unwrap_or(0)
     }
 
-    /// A store into the second bank: bits fall, none rises.
+    /// A store into the second bank: bits can only be cleared.
     fn program(&mut self, access: &Access) {
         let control = self.register(CR, access);
         let busy = (self.register(SR, access) | self.flash.status()) & BSY != 0;
@@ -179,7 +179,7 @@ impl<'a> FlashBus<'a> {
         self.flash.interrupts = control & EOPIE != 0;
     }
 
-    /// A write of the control register that has begun an erasure; it is not read while it lasts.
+    /// A write of the control register that has begun an erase; nothing reads the sector before it ends.
     fn erase(&mut self, control: u64) {
         let number = control >> SNB_SHIFT & 0x1f;
         let second = number & SNB_SECOND != 0;
@@ -240,7 +240,7 @@ impl CoreBus for FlashBus<'_> {
         self.bus.carry_on(instructions, event)
     }
 
-    // What follows is the bus's.
+    // The rest is passed to the bus.
 
     fn time(&self, instructions: u64) -> VirtualNanos {
         self.bus.time(instructions)

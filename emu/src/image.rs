@@ -19,7 +19,7 @@ impl Firmware {
     /// Reads `path`.
     ///
     /// # Errors
-    /// A sentence: the file is none that can be run.
+    /// A sentence: the file cannot be run.
     pub fn read(path: &Path) -> Result<Self, String> {
         let image = Image::read(path, None).map_err(|e| e.to_string())?;
         // A function's symbol has the Thumb bit.
@@ -31,7 +31,7 @@ impl Firmware {
         })
     }
 
-    /// With `bytes` in the flash at `address`, as something left them there before the power was last off.
+    /// With `bytes` in the flash at `address`, left there before the last power-down.
     ///
     /// # Errors
     /// A sentence: they cannot be placed.
@@ -49,7 +49,7 @@ impl Firmware {
         self.symbols.get(name).map_err(|e| e.to_string())
     }
 
-    /// Where the one variable lies whose name has `part` in it, as the compiler writes names: each word behind its length.
+    /// Address range of the one variable whose mangled name contains `part`; mangling puts each word's length before it.
     ///
     /// # Errors
     /// A sentence: there is none, or more than one.
@@ -78,7 +78,7 @@ impl Firmware {
             .collect()
     }
 
-    /// Bytes of its variables, without the stack.
+    /// Size of its variables, without the stack, bytes.
     ///
     /// # Errors
     /// A sentence: the image lacks the symbols of its start-up code.
@@ -86,7 +86,7 @@ impl Firmware {
         Ok(self.symbol("__ebss")? - self.symbol("__sdata")?)
     }
 
-    /// Bytes that the image takes in flash: everything that is stored.
+    /// Size of the image in flash, bytes: everything that is stored.
     pub fn flash_bytes(&self) -> u64 {
         self.stored()
             .iter()

@@ -1,5 +1,5 @@
-//! The laboratory around the board. Its turn comes at every period of the sampling timer, and when a converter outside the
-//! chip has something to do.
+//! The laboratory around the board. It runs at every period of the sampling timer, and when a converter outside the chip
+//! acts.
 
 mod clock;
 mod faults;
@@ -31,41 +31,41 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use timer::{Sampling, UG};
 
-/// While nothing samples: how often the laboratory looks, ns.
+/// Interval of the laboratory's turns while nothing samples, ns.
 const IDLE_TURN_NS: u64 = 500_000;
 
-/// The rig, the converters, and what goes wrong.
+/// The rig, the converters, and the faults.
 pub struct Laboratory {
     wire: Wire,
     rig: AnyRig,
     wired: [Calibration; MAX_ACTUATORS],
-    /// What goes wrong, each after as many resets as there were before it.
+    /// Planned faults; each waits for as many resets as there were faults before it.
     plan: VecDeque<PlannedFault>,
     gone_wrong: usize,
     drill_address: u64,
     /// Where the firmware keeps the ground motion.
     motion: Range<u64>,
-    /// It goes by the wall clock.
+    /// Set if it runs by the wall clock.
     wall: Option<WallClock>,
     ends_at_ns: u64,
     log: Arc<Mutex<Log>>,
     sampling: Option<Sampling>,
-    /// When the laboratory looks next while nothing samples, ns.
+    /// The laboratory's next turn while nothing samples, ns.
     idle_turn_ns: u64,
     registers: Registers,
     mutant: Option<Mutant>,
     chain: Chain,
     permission: Permission,
     servos: [Servo; MAX_ACTUATORS],
-    /// Where each actuator stands while the rig is blocked, m, and how fast it sinks then, m/s.
+    /// Position of each actuator, m, and how fast it sinks while the rig is blocked, m/s.
     stands_at_m: [f64; MAX_ACTUATORS],
     sinks_m_per_s: f64,
-    /// Where the valve of each has let its actuator go, m, and how fast it lets it, m/s.
+    /// Command of each actuator as limited by its valve, m, and the valve's velocity limit, m/s.
     spool_m: [f64; MAX_ACTUATORS],
     valve_m_per_s: f64,
-    /// The actuator whose sensors and servo go wrong.
+    /// The actuator whose sensors and servo fail.
     victim: usize,
-    /// Where the first one was in the last two steps, m.
+    /// Position of the first actuator in the last two steps, m.
     was_at_m: [f64; 2],
     last_trigger_ns: u64,
     permit_steps: u64,
@@ -74,7 +74,7 @@ pub struct Laboratory {
     active: Option<InjectedFault>,
     frozen: Shown,
     resets: usize,
-    /// When it is the PC's turn next, ns.
+    /// The PC's next turn, ns.
     pc_turn_ns: u64,
     /// Four wires on a desk in place of rig and relay.
     four_wires: bool,
@@ -83,7 +83,7 @@ pub struct Laboratory {
 }
 
 impl Laboratory {
-    /// A laboratory with `rig` behind the board's own converters. `drill_address`: where the firmware looks for drills.
+    /// A laboratory with `rig` behind the chip's own converters. `drill_address`: where the firmware looks for drills.
     pub fn new(wire: Wire, rig: impl Into<AnyRig>, drill_address: u64) -> Self {
         let converters = Converters::Internal;
         Self {
@@ -124,90 +124,90 @@ impl Laboratory {
         }
     }
 
-    /// With these converters, of the ranges of a board that nobody has calibrated.
+    /// Uses these converters, at the ranges of an uncalibrated board.
     pub fn with_converters(mut self, converters: Converters) -> Self {
         self.chain = Chain::new(converters);
         self.wired = [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS];
         self
     }
 
-    /// With faults to come, each behind the reset that the one before has ended in.
+    /// With planned faults; each comes after the reset caused by the one before.
     pub fn with_plan(mut self, plan: impl IntoIterator<Item = PlannedFault>) -> Self {
         self.plan = plan.into_iter().collect();
         self
     }
 
-    /// With converters of other ranges than those of a board that nobody has calibrated.
+    /// Uses converter ranges other than those of an uncalibrated board.
     pub fn wired(self, wired: Calibration) -> Self {
         self.wired_each([wired; MAX_ACTUATORS])
     }
 
-    /// With such of ranges of their own for each actuator.
+    /// Uses separate converter ranges for each actuator.
     pub fn wired_each(mut self, wired: [Calibration; MAX_ACTUATORS]) -> Self {
         self.wired = wired;
         self
     }
 
-    /// Of a firmware that keeps its ground motion there.
+    /// Where the firmware keeps its ground motion.
     pub fn with_motion_at(mut self, motion: Range<u64>) -> Self {
         self.motion = motion;
         self
     }
 
-    /// What goes wrong with sensors goes wrong with those of this actuator, from 0.
+    /// Faults of sensors, servo and output are those of this actuator, from 0.
     pub fn at_actuator(mut self, actuator: usize) -> Self {
         self.victim = actuator;
         self
     }
 
-    /// With one register wrong.
+    /// Makes one register wrong.
     pub fn mutated(mut self, mutant: Option<Mutant>) -> Self {
         self.mutant = mutant;
         self
     }
 
-    /// With a rig that sinks while nothing permits it to move, m/s, to six tenths of its stroke.
+    /// Lets the rig sink at this velocity, m/s, while it has no permission to move, to six tenths of its stroke.
     pub fn sinking(mut self, m_per_s: f64) -> Self {
         self.sinks_m_per_s = m_per_s;
         self
     }
 
-    /// With valves that let their actuators go no faster than this, m/s.
+    /// Adds valves that limit their actuators' velocity, m/s.
     pub fn with_valves(mut self, m_per_s: f64) -> Self {
         self.valve_m_per_s = m_per_s;
         self
     }
 
-    /// The PC lives in the driver's own turns and not beside it: nothing waits for it.
+    /// The PC runs within the driver's own turns, so nothing waits for it.
     pub(crate) fn with_pc_inside(mut self) -> Self {
         self.pc_turn_ns = u64::MAX;
         self
     }
 
-    /// With four wires on a desk in place of rig and relay: the command is displacement and force, PERMIT its own contact.
+    /// With four wires on a desk in place of rig and relay: the command is displacement and force, PERMIT is its own contact.
     pub fn on_four_wires(mut self, wanted: bool) -> Self {
         self.four_wires = wanted;
         self
     }
 
-    /// By the wall clock, as a board would, instead of as fast as it goes.
+    /// By the wall clock, as a board would, instead of as fast as possible.
     pub fn in_real_time(mut self, wanted: bool) -> Self {
         self.wall = wanted.then(WallClock::new);
         self
     }
 
-    /// Ends by itself, ns after power-up.
+    /// Ends by itself this long after power-up, ns.
     pub fn until_ns(mut self, ends_at_ns: u64) -> Self {
         self.ends_at_ns = ends_at_ns;
         self
     }
 
-    /// The log, to be read while and after the laboratory runs.
+    /// The log, readable during and after the run.
     pub fn log(&self) -> Arc<Mutex<Log>> {
         Arc::clone(&self.log)
     }
 
-    /// Notes something, behind the commands that were written before it.
+    /// Logs an event, after the commands written before it.
     fn note(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos, seen: LoggedEvent) {
         self.note_commands(session);
         self.log_mut().seen.push((at.0, seen));
@@ -225,8 +225,8 @@ impl Laboratory {
         self.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An update of TIM2: the end of a period of the rig, onto the pins; then the conversions, if the registers are such
-    /// that the update starts them.
+    /// An update of TIM2: steps the rig, applies its readings to the pins, and starts the conversions if the registers let the
+    /// update do so.
     fn sample(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
         let Some(sampling) = self.sampling else {
             return;
@@ -261,7 +261,7 @@ impl Laboratory {
         self.convert(session, now, host);
     }
 
-    /// What the board reads back of its permission.
+    /// The permission contact that the board reads back.
     fn contact(&mut self, at_ns: u64, period_ns: u64) -> bool {
         if self.four_wires {
             return self.permission.level();
@@ -269,7 +269,7 @@ impl Laboratory {
         self.permission.read(at_ns, period_ns)
     }
 
-    /// Starts the conversions, if an update does.
+    /// Starts the conversions, if an update starts them.
     fn convert(&mut self, session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host) {
         if self.chain.update(session, &self.registers, now, host) {
             self.log_mut().triggers_ns.push(now.at.0);
@@ -277,14 +277,14 @@ impl Laboratory {
         }
     }
 
-    /// What stands in the registers at the first trigger.
+    /// Checks the registers at the first trigger.
     fn look_at_registers(&mut self) {
         let demands = self.chain.demands().into_iter();
         let found = demands
             .chain(self.chain.demands_beside())
             .chain([&GUARDS[..]])
             .flat_map(|d| self.registers.violations(d));
-        // A register that two lists name is wrong once.
+        // A field that two lists name is reported once.
         let mut found: Vec<Violation> = found.collect();
         found.sort_by_key(|violation| violation.demand.name);
         found.dedup_by_key(|violation| violation.demand.name);
@@ -316,7 +316,7 @@ impl Laboratory {
         }
     }
 
-    /// The laboratory's turn while nothing samples: the rig goes on, contacts and buttons have their levels.
+    /// The laboratory's turn while nothing samples: steps the rig and sets the levels of the contacts.
     fn idle(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
         let shown = self.step_rig(session, at.0, IDLE_TURN_NS);
         self.chain.show(session, &self.registers, shown);
@@ -348,7 +348,7 @@ impl Driver<Nucleo> for Laboratory {
             }
             _ => value,
         };
-        // A port or a timer without its clock does nothing of it.
+        // A peripheral without its clock ignores the write.
         if !self.registers.write(access.address, value) {
             return;
         }

@@ -1,196 +1,195 @@
-//! What goes wrong in the laboratory, and what it keeps of what it sees.
+//! Faults of the laboratory, and its log.
 
 use crate::permission::Contact;
 use crate::registers::Violation;
 use link::MAX_ACTUATORS;
 
-/// What can go wrong.
+/// A fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InjectedFault {
-    /// The displacement sensor's wire breaks: the converter stands at its upper end.
+    /// The displacement sensor's wire breaks: the converter reads its highest code.
     SensorAtRail,
-    /// The displacement sensor stands still.
+    /// The displacement reading freezes.
     FrozenSensor,
-    /// A burst of 2000 codes up and down on the force.
+    /// Noise on the force, up and down by 2000/4095 of the converter's range.
     NoiseBurst,
     /// The emergency stop is pressed.
     EmergencyStop,
-    /// The serial line is cut, both ways, for so many control steps.
+    /// The serial line is cut both ways for this number of control steps.
     LinkCut(u64),
     /// The reset button.
     Reset,
     /// The blue button is pressed, for 600 control steps.
     Button,
-    /// The contact of the permission's chain is stuck.
+    /// The contact of the permission chain fails.
     Chain(Contact),
-    /// An external output converter stays where it is, whatever is commanded.
+    /// The output stays where it is, whatever is commanded.
     DeadOutput,
-    /// The supply of the external output converter goes and comes back: it is as after power-up. The chip's own: its channel
-    /// is switched off.
+    /// The supply of the external output converter fails and returns: it is as after power-up. No effect on the chip's own
+    /// converters.
     OutputDips,
-    /// The supply of the external input converter goes and comes back: nobody resets it again.
+    /// The supply of the external input converter fails and returns, without a reset.
     InputDips,
     /// The data line of the external input converter is stuck, high or low.
     StuckData {
         /// Its level.
         high: bool,
     },
-    /// A word of the external input converter comes after its frame was given up.
+    /// A word of the external input converter arrives after its frame was given up.
     LateWord,
-    /// The displacement transducer is dead, and the converter has its noise: its middle code, one more, one less.
+    /// The displacement transducer is dead; the converter reads its middle code with noise of one code.
     DeadSensor,
-    /// The displacement transducer stands where it is, and the converter has its noise.
+    /// The displacement reading freezes, with the converter's noise.
     StandingSensor,
-    /// The load cell is dead, and the converter has its noise.
+    /// The load cell is dead; the converter reads its middle code with its noise.
     DeadForce,
-    /// The load cell stands where it is.
+    /// The force reading freezes.
     FrozenForce,
-    /// The load cell stands where it is, and the converter has its noise.
+    /// The force reading freezes, with the converter's noise.
     StandingForce,
-    /// The load cell's wire breaks: the converter stands at its upper end.
+    /// The load cell's wire breaks: the converter reads its highest code.
     ForceAtRail,
-    /// The load cell's polarity turns over.
+    /// The load cell's polarity reverses.
     ReversedForce,
-    /// The displacement transducer slips by so many micrometres.
+    /// The displacement transducer slips.
     Slip {
         /// Micrometres.
         um: i32,
     },
-    /// The displacement reads so many hundredths of what it is.
+    /// The displacement reading is scaled.
     ReadingGain {
-        /// Hundredths.
+    /// Percent of the true value.
         percent: u32,
     },
     /// The second displacement is dead.
     DeadSecondSensor,
-    /// The known voltage on the external input converter's spare input is gone.
+    /// The known voltage on the external input converter's spare input is missing.
     NoKnownVoltage,
-    /// The wire that reads the command back is broken.
+    /// The wire for reading the command back is broken.
     ReadBackOpen,
-    /// The servo valve sticks: the rig stays where it is, whatever is commanded.
+    /// The servo valve sticks: the actuator stays where it is, whatever is commanded.
     DeadValve,
-    /// The servo goes to so many hundredths of where it is sent, by and by within 100 control steps.
+    /// The servo's gain changes, gradually within 100 control steps.
     Gain {
-        /// Hundredths.
+    /// Percent of the command.
         percent: u32,
     },
-    /// The specimen is so many hundredths as stiff: the force is.
+    /// The specimen's stiffness changes: the force is scaled.
     Stiffness {
-        /// Hundredths.
+    /// Percent of the original.
         percent: u32,
     },
-    /// The servo becomes later by so many control steps.
+    /// The servo's delay grows by this number of control steps.
     LateBy(usize),
-    /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
+    /// The firmware's own drill of this number, started by a write into its memory as a debugger does it.
     Drill(u32),
-    /// The known voltage is there in every third frame only.
+    /// The known voltage is present only in every third frame.
     KnownVoltageFlickers,
-    /// The command that is read back is there in every third frame only.
+    /// The command read back is present only in every third frame.
     ReadBackFlickers,
-    /// The second displacement is there in every third frame only.
+    /// The second displacement is present only in every third frame.
     SecondSensorFlickers,
-    /// The force is there in every third frame only.
+    /// The force is present only in every third frame.
     ForceFlickers,
-    /// The displacement is there in every third frame only.
+    /// The displacement is present only in every third frame.
     SensorFlickers,
-    /// The force reads so many hundredths of what it is.
+    /// The force reading is scaled.
     ForceGain {
-        /// Hundredths.
+    /// Percent of the true value.
         percent: u32,
     },
-    /// The servo valve is wide open by itself: the rig goes one way as fast as the valve lets it.
+    /// The servo valve opens fully by itself: the actuator moves one way at the valve's limit.
     Runaway {
         /// Towards the upper end.
         up: bool,
     },
-    /// The wire to the servo is broken behind where the command is read back: the servo reads ground.
+    /// The wire to the servo is broken after the point where the command is read back: the servo reads ground.
     CommandOpen,
-    /// The reference of the external input converter is off: everything reads so many hundredths of what it is.
+    /// The reference of the external input converter is wrong: every reading is scaled.
     InputScale {
-        /// Hundredths.
+    /// Percent of the true value.
         percent: u32,
     },
-    /// The external input converter ends its conversions and shows the results of an earlier one.
+    /// The external input converter ends its conversions but repeats the results of an earlier one.
     InputStands,
-    /// The memory of the ground motion reads as ones, each point a NaN.
+    /// The memory of the ground motion is all ones: each point is a NaN.
     LostMotion,
-    /// A bit of the sampling timer's period turns over: at 2 kHz it is more than twice as long, by the timer's own count as well.
+    /// A bit of the sampling timer's period flips: at 2 kHz it is more than twice as long, also by the timer's own count.
     SlowTimer,
     /// The same, a fifth shorter.
     FastTimer,
-    /// The clock of port E is off: PERMIT, its pulses and the step's line stay where they are, and every pin of it reads low.
+    /// The clock of port E is off: PERMIT, its pulses and the step's line keep their levels, and every pin of the port reads low.
     PortWithoutClock,
-    /// The force is gone for `open` control steps of every `of`.
+    /// The force is missing for `open` of every `of` control steps.
     ForceContact {
         /// Steps without it.
         open: u64,
-        /// Of so many.
+        /// Steps in a cycle.
         of: u64,
     },
-    /// The load cell's amplifier is off by so many newtons.
+    /// The load cell's amplifier has an offset.
     ForceOffset {
         /// Newtons.
         n: i32,
     },
-    /// The load cell is dead before an amplifier that hums at 50 Hz, by so many codes to either side.
+    /// The load cell is dead, and its amplifier hums at 50 Hz.
     HummingForce {
-        /// Codes.
+    /// Amplitude, codes.
         codes: u32,
     },
-    /// The external input converter takes 9 us for a conversion: its frame is read before that has ended.
+    /// The external input converter takes 9 us for a conversion: its frame is read before the end.
     SlowInput,
-    /// A bit of the exponent of a point of the ground motion turns over: of the 400 from this on that by which it is off by most, below
-    /// 6 m/s^2.
+    /// An exponent bit of a point of the ground motion flips: of 400 points, the one that gives the largest error below 6 m/s^2.
     TurnedPoint {
-        /// The first of them, from 0.
+    /// The first of the 400, from 0.
         from: u64,
     },
     /// The board is reset, and the external input converter's data line is dead from then on.
     ResetWithoutInput,
 }
 
-/// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.
+/// A fault, and how long PERMIT has been high when it comes: with 0 it is present from the first sample.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedFault {
     /// Control steps with PERMIT high.
     pub after_steps: u64,
-    /// What goes wrong.
+    /// The fault.
     pub fault: InjectedFault,
 }
 
-/// Something that was seen, and when, ns.
+/// A logged event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoggedEvent {
     /// The PERMIT line changed.
     Permit(bool),
     /// The code of the first actuator's command was written.
     Command(u16),
-    /// The planned fault came.
+    /// A planned fault came.
     Fault,
     /// The chip was reset.
     Reset,
 }
 
-/// What the laboratory keeps.
+/// The laboratory's log.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    /// Everything that was seen.
+    /// Events, with their times, ns.
     pub seen: Vec<(u64, LoggedEvent)>,
-    /// Instants of the conversions' triggers, ns.
+    /// Times of the conversions' triggers, ns.
     pub triggers_ns: Vec<u64>,
     /// From each trigger to the write of the command, ns.
     pub latency_ns: Vec<u32>,
-    /// Of each step, from its begin to its command, instructions.
+    /// Instructions of each step, from its start to its command.
     pub step_instructions: Vec<u32>,
-    /// What does not hold in the registers at the first trigger after a reset.
+    /// Register demands not met at the first trigger after each reset.
     pub violations: Vec<Violation>,
     /// Updates of the sampling timer.
     pub periods: usize,
-    /// Codes that the first actuator's output has shown, period by period; `None` while it floats.
+    /// Codes of the first actuator's output, period by period; `None` while it floats.
     pub pin: Vec<Option<u16>>,
-    /// Those of the others; `None` too where there is no such actuator.
+    /// Those of the others; also `None` where there is no such actuator.
     pub other_pins: Vec<[Option<u16>; MAX_ACTUATORS - 1]>,
-    /// Where the first actuator stood, period by period, m.
+    /// Position of the first actuator, period by period, m.
     pub position_m: Vec<f64>,
     /// PERMIT's level, period by period.
     pub permitted: Vec<bool>,

@@ -31,7 +31,7 @@ struct EmulatedRig {
     seed: u64,
     calibration: Calibration,
     image: Converters,
-    /// It goes by the wall clock.
+    /// Runs by the wall clock.
     #[serde(default)]
     real_time: bool,
     /// Four wires in place of the rig.
@@ -48,7 +48,7 @@ struct CoupledLaboratory {
     coupler: CouplerSpec,
 }
 
-/// What is done to the board.
+/// A fault of the board.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Incident {
@@ -108,8 +108,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     ended
 }
 
-/// Standard input and output are the serial line, by turns: of the PC its count of bytes (four, little-endian) and the bytes,
-/// of the board its time in nanoseconds (eight), its count and the bytes.
+/// Standard input and output are the serial line, in turns: the PC sends its count of bytes (four, little-endian) and the
+/// bytes; the board sends its time in nanoseconds (eight), its count and the bytes.
 fn connect(wire: &Wire) {
     let wire = wire.clone();
     std::thread::spawn(move || {
@@ -118,7 +118,7 @@ fn connect(wire: &Wire) {
     });
 }
 
-/// Until the PC is gone, or the board.
+/// Until the PC or the board ends.
 fn take_turns(wire: &Wire) -> std::io::Result<()> {
     let (mut from, mut to) = (std::io::stdin().lock(), std::io::stdout().lock());
     loop {

@@ -1,4 +1,4 @@
-//! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
+//! The board: an STM32F429 to the extent that the image uses it, its clock, its supply and its serial line.
 
 use crate::core_bits::CoreBits;
 use crate::processor::with_flash;
@@ -11,9 +11,9 @@ use rigless::soc::Error;
 use rigless::soc::stm32f427::Stm32f427;
 use std::num::{NonZeroU32, NonZeroU64};
 
-/// What the emulator gives the ADC as its reference, "mV": ten for a code, so that every code can be set exactly. Its
-/// highest code, 4095, is the whole reference: with 4096 times ten every code above the middle was one too low, a step of
-/// 24 um and 5 N at zero that a diagnosis took for an effect.
+/// The ADC's reference in the emulator, "mV": ten a code, so that every code can be set exactly. Its highest code, 4095, is
+/// the whole reference: with 4096 times ten every code above the middle was one too low, a step of 24 um and 5 N at zero
+/// that a diagnosis took for an effect.
 pub const REFERENCE: u32 = 10 * 4095;
 
 /// USART3 in the chip's list.
@@ -22,11 +22,11 @@ const USART3: usize = 2;
 /// The board's one MCU.
 const MCU: &str = "stm32f429";
 
-/// Instructions in a second. On the chip an instruction of the control step takes 1.8 cycles of 168 MHz on average: its
-/// own, and those of a flash with five wait states behind a cache of 64 lines that the step does not fit into.
+/// Instructions per second. On the chip an instruction of the control step takes 1.8 cycles of 168 MHz on average: its own,
+/// and those of a flash with five wait states behind a cache of 64 lines, which is too small for the step.
 pub const INSTRUCTIONS_PER_SECOND: u64 = 168_000_000 * 10 / 18;
 
-/// The watchdog's clock as it usually is, Hz; the data sheet gives 17 to 47 kHz.
+/// The watchdog's typical clock, Hz; the data sheet gives 17 to 47 kHz.
 pub const USUAL_LSI_HZ: u64 = 32_000;
 
 /// The clock that the ST-LINK feeds in, Hz.
@@ -40,7 +40,7 @@ pub const HEALTHY_MV: u32 = 3300;
 pub struct Nucleo {
     /// The chip.
     pub chip: Stm32f427,
-    /// Bits of the processor that turn over.
+    /// Access to the processor's bits.
     core_bits: Option<CoreBits>,
 }
 
@@ -49,7 +49,7 @@ impl Nucleo {
     /// serial port.
     ///
     /// # Errors
-    /// The chip's description does not hold together.
+    /// The chip's description is inconsistent.
     pub fn new(crystal_hz: u64, lsi_hz: u64, wire: Wire) -> Result<Self, Error> {
         let mut chip = Stm32f427::new()?;
         chip.rcc.attach_crystals(crystal_hz, 0);
@@ -65,14 +65,14 @@ impl Nucleo {
         })
     }
 
-    /// With a supply of so many mV, 3300 on a healthy board.
+    /// Sets the supply, mV; 3300 on a healthy board.
     #[must_use]
     pub fn supplied(mut self, supply_mv: u32) -> Self {
         self.chip.set_supply(supply_mv);
         self
     }
 
-    /// With a processor that is looked into, and whose bits turn over.
+    /// Adds access to the processor's bits.
     #[must_use]
     pub fn with_core_bits(mut self, bits: CoreBits) -> Self {
         self.core_bits = Some(bits);

@@ -1,5 +1,5 @@
-//! What hangs on PERMIT: a retriggerable monostable on its pulses and a relay that needs both it and the level. Its contact
-//! is read back by the board, and the rig moves only while it is closed.
+//! The chain driven by PERMIT: a retriggerable monostable on its pulses, and a relay that needs both the monostable and the
+//! level. The board reads the relay's contact back, and the rig moves only while it is closed.
 
 /// A relay's time to close and to open, ns.
 const RELAY_NS: u64 = 10_000_000;
@@ -7,16 +7,16 @@ const RELAY_NS: u64 = 10_000_000;
 /// Periods without a pulse after which the monostable falls.
 const PERIODS: u64 = 4;
 
-/// What is wrong with the chain.
+/// A fault of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contact {
     /// It opens and never closes again.
     Broken,
     /// It is closed for good.
     Welded,
-    /// It opens for a moment again and again.
+    /// It opens briefly again and again.
     Chatters,
-    /// The wire by which it is read back is open; what hangs on it has its permission.
+    /// The wire for reading it back is open; the rig has its permission.
     Unread,
 }
 
@@ -26,15 +26,15 @@ pub struct Permission {
     level: bool,
     pulse: bool,
     pulsed_ns: Option<u64>,
-    /// Since when the coil has been as it is.
+    /// State of the coil, and since when, ns.
     coil: (bool, u64),
     closed: bool,
-    /// What is wrong with it.
+    /// Its fault.
     pub fault: Option<Contact>,
 }
 
 impl Permission {
-    /// The level of PERMIT; returns whether it has changed.
+    /// Sets the level of PERMIT; returns whether it has changed.
     pub fn set_level(&mut self, level: bool) -> bool {
         std::mem::replace(&mut self.level, level) != level
     }
@@ -44,14 +44,14 @@ impl Permission {
         self.level
     }
 
-    /// The level of the pulses' line.
+    /// Sets the level of the pulse line.
     pub fn set_pulse(&mut self, level: bool, at_ns: u64) {
         if std::mem::replace(&mut self.pulse, level) != level {
             self.pulsed_ns = Some(at_ns);
         }
     }
 
-    /// What is read back of the contact.
+    /// The contact as read back.
     pub fn read(&mut self, at_ns: u64, period_ns: u64) -> bool {
         self.closed(at_ns, period_ns) && self.fault != Some(Contact::Unread)
     }
@@ -76,7 +76,7 @@ impl Permission {
         }
     }
 
-    /// The chip is reset: its pins float, and what is outside pulls them down.
+    /// The chip is reset: its pins float and are pulled down externally.
     pub fn reset(&mut self) {
         (self.level, self.pulse) = (false, false);
     }

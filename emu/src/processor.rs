@@ -1,4 +1,4 @@
-//! The processor of the emulator, with the flash behind it, and with what is asked of it between two stretches of instructions.
+//! The processor of the emulator, with the flash array, and with access to its bits between two runs of instructions.
 
 use crate::core_bits::{CoreBits, number};
 use crate::cores::Cores;
@@ -12,7 +12,7 @@ use rigless::time::VirtualNanos;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The core, with this in place of its processor.
+/// The core, with [`Flashed`] in place of its processor.
 pub(crate) fn with_flash(mut core: CoreSpec, bits: Option<CoreBits>) -> CoreSpec {
     let inner = core.processor;
     let processor: ProcessorConstructor = Arc::new(move |endian| {
@@ -30,12 +30,12 @@ pub(crate) fn with_flash(mut core: CoreSpec, bits: Option<CoreBits>) -> CoreSpec
     core
 }
 
-/// A processor, and what is around it.
+/// A processor with the flash array and access to its bits.
 #[derive(Debug)]
 struct Flashed {
     cores: Cores,
     bits: Option<CoreBits>,
-    /// The debugger's number of that register.
+    /// The debugger's number of BASEPRI.
     basepri: usize,
     memory: Mapped,
     flash: FlashArray,
@@ -58,7 +58,7 @@ impl Processor for Flashed {
         ran
     }
 
-    // What follows is the processor's.
+    // The rest is passed to the processor.
 
     fn retired(&self) -> u64 {
         self.cores.now().retired()
@@ -78,7 +78,7 @@ impl Processor for Flashed {
 
     unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, writable: bool) {
         self.memory.map(start..start + length, host);
-        // SAFETY: what the caller promises is promised on.
+        // SAFETY: the caller's guarantee is passed on.
         unsafe { self.cores.map(start, length, host, writable) };
     }
 

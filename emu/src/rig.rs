@@ -9,7 +9,7 @@ use plant::coupled::{CoupledReading, CoupledRig};
 pub enum AnyRig {
     /// Each actuator moves a floor of its own.
     Direct(Rig),
-    /// The first two hold a coupler, and nothing hangs on the third. What they read last stands where their valves are shut.
+    /// The first two actuators hold a coupler; the third has no load. While the valves are shut, their last reading holds.
     Coupled(CoupledRig, CoupledReading),
 }
 
@@ -26,8 +26,8 @@ impl From<CoupledRig> for AnyRig {
 }
 
 impl AnyRig {
-    /// One period under held commands, m, of which the rig goes by as many as it has actuators; gives displacement, m, and force, N, of
-    /// each. `moves`: it has permission.
+    /// One period with held commands, m, of which the rig uses as many as it has actuators; returns displacement, m, and force,
+    /// N, of each. `moves`: it has permission.
     pub fn step(&mut self, command_m: &[f64], moves: bool) -> [[f64; 2]; MAX_ACTUATORS] {
         let mut read = [[0.0; 2]; MAX_ACTUATORS];
         match self {
@@ -50,7 +50,7 @@ impl AnyRig {
         read
     }
 
-    /// Where its actuators stand is where they were sent: not so where the command of one also moves the other.
+    /// Whether the rig's reading is where the valves sent the actuator; not so where the command of one also moves the other.
     pub fn goes_where_it_is_sent(&self) -> bool {
         matches!(self, Self::Direct(_))
     }

@@ -1,4 +1,4 @@
-//! Power on, until somebody ends it.
+//! Power on, until the driver ends the run.
 
 use crate::gaps::Guarded;
 use crate::nucleo::Nucleo;
@@ -7,10 +7,10 @@ use rigless::image::Image;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
-/// Runs what is flashed on a board until `driver`, the laboratory around it, ends it.
+/// Runs the flashed images on a board until `driver`, the laboratory around it, ends the run.
 ///
 /// # Errors
-/// A sentence: the board's description or the image does not hold together.
+/// A sentence: the board's description or the image is inconsistent.
 pub fn run(
     board: Nucleo,
     flashed: &[Image],
@@ -19,8 +19,8 @@ pub fn run(
     run_boxed(board, flashed, Box::new(driver))
 }
 
-/// The emulator's session is generic over its driver: with one of no particular type it is compiled here, and not again in
-/// each program and test that runs a board.
+/// The emulator's session is generic over its driver: with a boxed one it is compiled once here, not in each program and test
+/// that runs a board.
 fn run_boxed(
     board: Nucleo,
     flashed: &[Image],

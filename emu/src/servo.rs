@@ -1,25 +1,25 @@
-//! What a servo that has gone wrong makes of its command.
+//! A faulty servo's response to its command.
 
 use crate::log::InjectedFault;
 use std::collections::VecDeque;
 
-/// Periods in which a gain changes: hydraulics have no jumps.
+/// Periods over which a gain changes: hydraulics do not jump.
 const GAIN_PERIODS: u32 = 100;
 
-/// Commands that are kept: half a second at 2 kHz.
+/// Number of commands kept: half a second at 2 kHz.
 const KEPT: usize = 1000;
 
 /// A servo between the command and the rig.
 #[derive(Clone, Debug, Default)]
 pub struct Servo {
-    /// Its commands, the last first, m.
+    /// Its commands, latest first, m.
     told_m: VecDeque<f64>,
-    /// Periods since its gain has begun to change.
+    /// Periods since its gain began to change.
     since: u32,
 }
 
 impl Servo {
-    /// The command that the rig follows with this command and this `fault`.
+    /// The command that the rig follows, given this command and this `fault`.
     pub fn follow(&mut self, told_m: f64, fault: Option<InjectedFault>) -> f64 {
         self.told_m.push_front(told_m);
         self.told_m.truncate(KEPT);

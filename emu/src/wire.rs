@@ -1,5 +1,5 @@
-//! The serial line between the board and the PC, who live in turns: while the PC thinks, the board's time stands. So nothing
-//! that the board sees depends on how fast, or how busy, the machine is that emulates it.
+//! The serial line between the board and the PC, which take turns: during the PC's turn the board's time stands still. So
+//! nothing that the board sees depends on how fast or busy the emulating machine is.
 
 use rigless::chip::Timeline;
 use rigless::chip::uart::Peer;
@@ -8,14 +8,14 @@ use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// A turn of the board, ns of its time: what a PC takes until it answers.
+/// Length of the board's turn, ns of its time: a PC's response time.
 pub const TURN_NS: u64 = 5_000_000;
 
 #[derive(Debug, Default)]
 struct Line {
     to_board: VecDeque<u8>,
     from_board: VecDeque<u8>,
-    /// The board's time stands since then, ns after power-up: it is the PC's turn.
+    /// Time at which the board's clock was stopped for the PC's turn, ns after power-up.
     stands_ns: Option<u64>,
     closed: bool,
     cut: bool,
@@ -30,7 +30,7 @@ impl Wire {
         self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The PC sends while the board's time stands.
+    /// The PC sends while the board's time stands still.
     pub fn send(&self, bytes: &[u8]) {
         let mut line = self.line();
         if !line.cut {
@@ -38,13 +38,13 @@ impl Wire {
         }
     }
 
-    /// What has come for a PC that is asked by the board's own turns.
+    /// What has been received, for a PC that runs within the board's turns.
     pub fn take(&self) -> Vec<u8> {
         self.line().from_board.drain(..).collect()
     }
 
-    /// The PC's turn ends with `bytes`, and the board has its own. What came in it, and the board's time at its end, ns after
-    /// power-up; `None` once the line is closed and empty.
+    /// The PC ends its turn by sending `bytes`, and the board takes its turn. Returns the board's time at its end, ns after
+    /// power-up, and what was received in it; `None` once the line is closed and empty.
     pub fn exchange(&self, bytes: &[u8]) -> Option<(u64, Vec<u8>)> {
         drop(self.pc_turn());
         self.send(bytes);
@@ -56,12 +56,12 @@ impl Wire {
         (!came.is_empty() || !line.closed).then_some((at_ns, came))
     }
 
-    /// Until it is the PC's turn, or nobody's any more.
+    /// Waits until it is the PC's turn, or the line is closed.
     fn pc_turn(&self) -> MutexGuard<'_, Line> {
         self.wait(|line| line.stands_ns.is_none())
     }
 
-    /// The board's turn ends, `at_ns` after power-up: its time stands until the PC has had its own.
+    /// The board's turn ends `at_ns` after power-up: its time stands still until the PC has had its turn.
     pub fn give_turn(&self, at_ns: u64) {
         self.line().stands_ns = Some(at_ns);
         self.0.1.notify_all();
@@ -81,18 +81,18 @@ impl Wire {
         line.to_board.clear();
     }
 
-    /// Mends it.
+    /// Restores it.
     pub fn mend(&self) {
         self.line().cut = false;
     }
 
-    /// Nothing will come any more.
+    /// Closes the line: nothing more will be sent.
     pub fn close(&self) {
         self.line().closed = true;
         self.0.1.notify_all();
     }
 
-    /// The line is closed.
+    /// Whether the line is closed.
     pub fn is_closed(&self) -> bool {
         self.line().closed
     }

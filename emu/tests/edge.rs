@@ -1,5 +1,5 @@
-//! The lower end of the memory: an access that leaves it is a fault, of whatever kind and however it lies across the end,
-//! and one that just does not is none. Without that a stack that overflows on the emulated chip goes unseen.
+//! The lower end of the memory: every access that leaves it, even in part, is a fault, and one that just stays inside is none.
+//! Otherwise a stack overflow on the emulated chip goes unnoticed.
 
 use emu::Wire;
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 const FLASH: u64 = 0x0800_0000;
 const MEMORY: i64 = 0x2000_0000;
 
-/// Where the program notes how it went on.
+/// Where the program stores its outcome.
 const NOTE: u64 = 0x2000_1000;
 const PASSED: u64 = 1;
 const FAULTED: u64 = 2;
 
-/// Halfwords of an instruction, and which bytes it touches, from the stack pointer: the first and the first behind them.
+/// Halfwords of an instruction, and the bytes that it accesses, from the stack pointer: first, and end (exclusive).
 struct Case {
     name: &'static str,
     code: [u16; 2],
@@ -53,11 +53,11 @@ const CASES: [Case; 16] = [
     case("ldrb r0, [sp]", [0xf89d, 0x0000], [0, 1]),
     case("pop {r4, r5}", [0xbc30, NOP], [0, 8]),
     case("vldr d8, [sp]", [0xed9d, 0x8b00], [0, 8]),
-    // The processor's own pushing of eight registers.
+    // Exception entry pushes eight registers.
     case("svc 0", [0xdf00, NOP], [-32, 0]),
 ];
 
-/// A program that carries out one instruction with a stack pointer and notes if it came through.
+/// A program that executes one instruction with a stack pointer and stores whether it passed.
 fn program(stack_pointer: u32, code: [u16; 2]) -> Vec<u8> {
     // The vectors, of which reset, HardFault and SVCall have a handler.
     const START: usize = 16 * 4;
@@ -95,7 +95,7 @@ fn program(stack_pointer: u32, code: [u16; 2]) -> Vec<u8> {
     vectors.chain(halves).collect()
 }
 
-/// Looks at the note after a while.
+/// Reads the outcome after a while.
 struct Reader {
     note: Arc<AtomicU64>,
 }
@@ -133,7 +133,7 @@ fn outcome(stack_pointer: i64, case: &Case) -> u64 {
 fn what_leaves_the_memory_is_a_fault_and_what_does_not_is_none() {
     for case in &CASES {
         let [first, behind] = case.touches;
-        // From wholly below to wholly inside, in the steps that a stack pointer has.
+        // From wholly below to wholly inside, in the stack pointer's steps of 4.
         let (mut faults, mut passes) = (0, 0);
         for place in (-behind - 8..=-first + 8).filter(|place| place % 4 == 0) {
             let leaves = place + first < 0;

@@ -1,6 +1,6 @@
 //! What `outerloop run --emulated` does with each of the examples, on the flashed image with the chip's own converters: the
-//! first seconds, or the strong part where peaks lie beyond what a board shows that nobody has calibrated. And that it does the
-//! same each time, to the bit, however busy this machine is.
+//! first seconds, or the strong part where peaks exceed the range of an uncalibrated board. Also that a repeated test is the
+//! same to the bit, however busy this machine is.
 
 #[path = "common/example.rs"]
 mod example;
@@ -22,8 +22,7 @@ fn file(name: &str) -> TestFile {
     TestFile::parse(&text, name, Path::new(""), &[]).unwrap()
 }
 
-/// Runs the first seconds; gives the peak of the ideal test, m, and what became of it. Every step is received and worked
-/// out again.
+/// Runs the first seconds; returns the peak of the ideal test, m, and the summary. Every step is received and recomputed.
 fn run(name: &str, seconds: f64) -> (f64, Summary) {
     let test = file(name);
     can_run(&test).unwrap();
@@ -44,7 +43,7 @@ fn the_strong_part_of_table_1_on_a_board_that_is_calibrated_to_its_rig() {
     assert!(peak_m > 0.08 && summary.eps_rms < 0.02);
 }
 
-/// Its sensors show sixteen standard deviations of noise within the test's own peaks: the ranges have to leave room for them.
+/// Sixteen standard deviations of its sensors' noise fit into the test's own peaks: the ranges must leave room for it.
 #[test]
 fn the_papers_steel_frame_starts_and_runs_in_its_noise() {
     run("steel-frame.toml", 1.0);
@@ -55,7 +54,7 @@ fn a_frame_whose_first_storey_stands_in_the_laboratory() {
     run("hybrid.toml", 3.0);
 }
 
-/// The bits of every channel of a test's first second, and its control steps' numbers since power-up.
+/// The bits of every channel of a test, and the numbers of its control steps since power-up.
 fn bits(experiment: &Experiment) -> (Vec<(String, Vec<u32>)>, Vec<u32>) {
     let ideal = experiment.ideal().unwrap();
     let trace = example::run(experiment, &ideal).0.trace.unwrap();
@@ -67,7 +66,7 @@ fn bits(experiment: &Experiment) -> (Vec<(String, Vec<u32>)>, Vec<u32>) {
     )
 }
 
-/// The rig is noisy, and what the board sees of the PC are its bytes at instants of the board's own time.
+/// The rig is noisy, and all that the board sees of the PC is its bytes at instants of the board's own time.
 #[test]
 fn a_test_runs_the_same_to_the_bit_again_and_on_a_busy_machine() {
     let experiment = Experiment::new(file("steel-frame.toml"), &near_fault(), Some(0.2)).unwrap();

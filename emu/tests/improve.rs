@@ -1,5 +1,5 @@
-//! The loop closed on the flashed image: a test on a rig with something undeclared in it, the diagnosis of the board's
-//! telemetry, the improved configuration sent to the same board, the same test again.
+//! The improvement loop on the flashed image: a test on a rig with an undeclared effect, the diagnosis of the board's
+//! telemetry, the improved configuration sent to the same board, and the same test again.
 
 use experiment::Experiment;
 use experiment::bench::Played;
@@ -23,7 +23,7 @@ use std::cell::{Cell, RefCell};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-/// 12 bits over 10 kN are 5 N, as the load cell's noise.
+/// A code of 12 bits over +-10 kN is 5 N, as large as the load cell's noise.
 const TEST: &str = "
 [structure]
 mass_kg = 1000
@@ -45,7 +45,7 @@ displacement_noise_mm = 0.02
 force_noise_n = 5
 ";
 
-/// An emulated board behind the rig of the first test, which it keeps.
+/// An emulated board on the rig of the first test, which is kept.
 #[derive(Default)]
 struct Boards {
     first: RefCell<Option<(RigSpec, BoardBench<Box<dyn Port>>)>>,
@@ -53,7 +53,7 @@ struct Boards {
     others: Cell<usize>,
 }
 
-/// A test on a rig without its effect, which is the same whatever the effect was.
+/// A test on a rig without its effect, which is the same for all effects.
 struct Reference {
     config: Config,
     rig: RigSpec,
@@ -63,10 +63,10 @@ struct Reference {
     run: JudgedRun,
 }
 
-/// Each has run once.
+/// Each is run once.
 static REFERENCES: Mutex<Vec<Reference>> = Mutex::new(Vec::new());
 
-/// A board that is calibrated to the rig of `experiment`.
+/// A board calibrated to the rig of `experiment`.
 fn board(
     experiment: &Experiment,
     ideal: &Response,
@@ -166,7 +166,7 @@ impl TestSite for Boards {
     }
 }
 
-/// What becomes of a test on the board; the two tests of the rig with the effect run on one board.
+/// The improvement of a test on the board; the two tests of the rig with the effect run on one board.
 fn story(text: &str) -> Improvement {
     let test = TestFile::parse(text, "test.toml", Path::new(""), &[]).unwrap();
     let declared = test.declared_model().unwrap();
@@ -175,12 +175,12 @@ fn story(text: &str) -> Improvement {
     let progress = Progress::over("near-fault", Improvement::steps(&experiment) as u64);
     let first = FirstTest::run(experiment, &boards, 1, &progress).unwrap();
     let story = Improvement::of(first, &declared, &boards, 1, &progress).unwrap();
-    // The one without it runs on another.
+    // The test without the effect runs on another.
     assert_eq!(boards.others.get(), 1);
     story
 }
 
-/// The error of the test, before, with what was found, and without the effect.
+/// The improvement, and the error of the test before, after, and without the effect.
 fn told(what: &str, more: &str) -> (Improvement, [f64; 3]) {
     let story = story(&format!("{TEST}{more}\n"));
     let possible = story.possible.as_ref().unwrap();
@@ -202,7 +202,7 @@ fn told(what: &str, more: &str) -> (Improvement, [f64; 3]) {
     (story, eps)
 }
 
-/// What the diagnosis finds in the telemetry makes the next test on the same board as good as without the effect.
+/// With what the diagnosis finds in the telemetry, the next test on the same board is as good as without the effect.
 fn comes_back(what: &str, more: &str) {
     let (story, eps) = told(what, more);
     assert!(!story.changes.is_empty(), "{what}");
@@ -252,9 +252,9 @@ fn a_load_cell_that_reads_too_much_is_divided_by_that() {
     );
 }
 
-/// The whole circle: an earthquake of 1 mm, read with 12 bits, does not tell a lag of 6 ms from a delay; a test that the
-/// diagnosis designs is played by the same board and does, and the next test is better. The board's noise is another one each
-/// time; of 40 such tests on the simulated rig each took this way.
+/// The whole cycle: an earthquake of 1 mm, read with 12 bits, does not distinguish a lag of 6 ms from a delay; a test designed
+/// by the diagnosis and played by the same board does, and the next test is better. The board's noise differs each time; all
+/// of 40 such tests on the simulated rig took this course.
 #[test]
 fn what_a_small_earthquake_leaves_open_is_settled_by_a_test_designed_and_played_on_the_board() {
     let small = TEST.replace("peak_response_mm = 20", "peak_response_mm = 1");

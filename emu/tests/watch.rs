@@ -1,5 +1,5 @@
-//! The rig watch on the flashed image: its slow part in the tasks, its fast part in the control interrupt, and the PC that works
-//! out both again with the same bits. The tests are those of `examples/rig-watch.toml`, with other things that go wrong.
+//! The rig watch on the flashed image: its slow part in the tasks, its fast part in the control interrupt, and the PC that
+//! recomputes both with the same bits. The tests are `examples/rig-watch.toml` with other effects.
 
 #[path = "common/example.rs"]
 mod example;
@@ -17,10 +17,10 @@ use link::Status;
 use outerloop_core::{Fault, flag};
 use std::path::Path;
 
-/// The strong part of the motion: two natural periods of 1 s before the effect that begins in mid-test, and some behind.
+/// The strong part of the motion: two natural periods of 1 s before the effect that begins in mid-test, and some after.
 const SECONDS: f64 = 14.0;
 
-/// The share of the time of a block that judging it may take in the mean, per cent: 1.3 to 1.6 was seen.
+/// Largest mean time to judge a block, per cent of its duration: 1.3 to 1.6 was measured.
 const MEAN_SHARE: f64 = 2.0;
 
 /// The example with another table of effects, and keys that are set.
@@ -36,7 +36,7 @@ fn run(effect: &str, set: &[&str]) -> JudgedRun {
     println!("{}", run.summary.sentence());
     looks_at_its_cost(&status, &run);
     let board = run.summary.board.as_ref().unwrap();
-    // What the watch asked for is in these records: each was worked out on the PC with the same bits.
+    // What the watch requested is in these records: each was recomputed on the PC with the same bits.
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert_eq!(board.timing.map(|t| t.overruns), Some(0));
     let flags = &run.trace.as_ref().unwrap().flags;
@@ -44,8 +44,8 @@ fn run(effect: &str, set: &[&str]) -> JudgedRun {
     run
 }
 
-/// The tasks' share of the processor that the watch takes while everything is on and telemetry fills the link, interrupts in between
-/// included; and that the board itself knows what the PC has worked out.
+/// Checks the watch's processor load with everything on and telemetry filling the link, interrupts included; and that the board
+/// itself reports what the PC has computed.
 fn looks_at_its_cost(status: &Status, run: &JudgedRun) {
     let own = status.watch.as_ref().expect("it is watched");
     let [mean, worst] = load::of_the_watch(status);
@@ -145,7 +145,7 @@ fn a_transducer_whose_gain_changes_under_an_adaptive_compensation_is_named_and_w
 #[test]
 fn a_transducer_that_stands_with_its_noise_stops_the_test() {
     let stands = "[[plant.effects]]\nsensor = 'displacement'\nfrozen = true\nfrom_s = 8\n";
-    // The limits that are worked out are sooner, in a motion as large as this one; these are wide.
+    // In a motion as large as this one the derived limits would trip first; these are wide.
     let wide = [
         "limits.stale_steps=500",
         "limits.displacement_m=0.05",

@@ -1,29 +1,29 @@
-//! What is aimed at, in one list: each command that prints figures of an exam prints with it by how much each aim is missed.
+//! The list of aims. Each command that prints figures of an exam also prints by how much each aim is missed.
 //!
-//! The aims were set for records that nobody here has seen (the outside league and its third lot, two sealed exams, laws of OpenSees, a
-//! field trial). A command prints the same figures of the records that it has.
+//! The aims were set for records that nobody here has seen: the outside league and its third lot, two sealed exams, laws of
+//! OpenSees, and a field trial. A command prints the same figures for the records that it has.
 
 use std::fmt::Write as _;
 
-/// A figure and what is aimed at.
+/// A figure and its aim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// What is counted.
     pub row: &'static str,
-    /// What is aimed at.
+    /// The aim.
     pub aim: Wanted,
 }
 
-/// Which way a figure is to go, and how far.
+/// The direction of an aim, and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
     /// At least this share.
     ShareAtLeast(f64),
     /// At most this share.
     ShareAtMost(f64),
-    /// At most so many seconds.
+    /// At most this many seconds.
     SecondsAtMost(f64),
-    /// At most so many times something else.
+    /// At most this ratio to something else.
     RatioAtMost(f64),
 }
 
@@ -42,7 +42,7 @@ const fn within(row: &'static str, seconds: f64) -> Aim {
     Aim { row, aim }
 }
 
-/// Published records: points and wrong names of the league of 35, and of the third one of 60.
+/// Published records: points and wrong names in the league of 35 and in the third league of 60.
 pub const LEAGUES: [Aim; 4] = [
     at_least("league: points, 30 of 35", 30.0 / 35.0),
     at_most("league: wrong, 1 of 35", 1.0 / 35.0),
@@ -50,7 +50,8 @@ pub const LEAGUES: [Aim; 4] = [
     at_most("third league: wrong", 0.017),
 ];
 
-/// The two sealed exams, each: one effect exactly or in a set, two named, what cannot be told apart, what has no name, wrong names.
+/// Each of the two sealed exams: one effect exactly or in a set, both of two effects named, effects that cannot be told
+/// apart, effects outside the list, and wrong names.
 pub const SEALED: [[Aim; 5]; 2] = [
     [
         at_least("first sealed exam: one, exact or set", 0.88),
@@ -68,7 +69,7 @@ pub const SEALED: [[Aim; 5]; 2] = [
     ],
 ];
 
-/// Laws of OpenSees: one law, two of which both are named, no law of the list, nothing hidden.
+/// Laws of OpenSees: one law, two laws that are both named, no law of the list, and nothing hidden.
 pub const OPENSEES: [Aim; 4] = [
     at_least("OpenSees: one law", 0.75),
     at_least("OpenSees: two laws, both named", 0.50),
@@ -76,7 +77,7 @@ pub const OPENSEES: [Aim; 4] = [
     at_least("OpenSees: clean", 1.0),
 ];
 
-/// The field trial: sound actuators called sound; effects found, and wrong names for them.
+/// The field trial: sound actuators called sound, effects found, and effects named wrongly.
 pub const FIELD_TRIAL: [Aim; 3] = [
     at_least("sound rams called sound, 26 of 29", 26.0 / 29.0),
     at_least("effects found, 30 of 34", 30.0 / 34.0),
@@ -86,37 +87,37 @@ pub const FIELD_TRIAL: [Aim; 3] = [
 /// Rigs whose first record is ambiguous.
 pub const SETTLED: [Aim; 1] = [at_least("settled by two designed tests at most", 0.70)];
 
-/// Seconds a record: the middle, and what 95 % are below.
+/// Seconds a record: the median and the 95th percentile.
 pub const SECONDS: [Aim; 2] = [
     within("seconds a record, median", 0.5),
     within("seconds a record, 95 % are below", 1.5),
 ];
 
-/// What the model that was found leaves of a motion that took no part in anything. The aim was set over what the true law leaves, fed with
-/// what is read: that is the load cell's noise and more.
+/// Error of the model found in a motion that was used neither for the fit nor for judging it. The aim was set relative to
+/// the error of the true law fed with the readings, which is the load cell's noise and more.
 pub const THIRD_MOTION: [Aim; 1] = [Aim {
     row: "third motion: error over the noise, geometric mean",
     aim: Wanted::RatioAtMost(1.8),
 }];
 
-/// A figure beside its aim; none where there was nothing to count.
+/// A figure to compare with its aim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// Its value: a share, seconds or a ratio.
+    /// Its value: a share, seconds or a ratio. None if there was nothing to count.
     pub value: Option<f64>,
-    /// Over how many.
+    /// The number of records that it is taken over.
     pub of: usize,
 }
 
 impl Figure {
-    /// A share of some.
+    /// `part` as a share of `of`.
     pub fn share(part: f64, of: usize) -> Self {
         let value = (of > 0).then(|| part / of as f64);
         Self { value, of }
     }
 }
 
-/// Seconds of some records as the figures of [`SECONDS`].
+/// The times of some records as the figures of [`SECONDS`].
 pub fn seconds(of_each: impl IntoIterator<Item = f64>) -> [Figure; 2] {
     let mut all: Vec<f64> = of_each.into_iter().collect();
     all.sort_by(f64::total_cmp);
@@ -130,7 +131,7 @@ pub fn seconds(of_each: impl IntoIterator<Item = f64>) -> [Figure; 2] {
 }
 
 impl Aim {
-    /// By how much a figure misses it, in the figure's own unit; none where it is met.
+    /// By how much a figure misses the aim, in the figure's own unit; none if it meets it.
     pub fn missed_by(&self, figure: f64) -> Option<f64> {
         let by = match self.aim {
             Wanted::ShareAtLeast(least) => least - figure,
@@ -172,10 +173,10 @@ impl Aim {
     }
 }
 
-/// Figures beside their aims, in the order of these, as a table in Markdown.
+/// Figures next to their aims, in the order of the aims, as a Markdown table.
 ///
 /// # Panics
-/// Where there are not as many figures as aims.
+/// If the numbers of figures and aims differ.
 pub fn table(rows: &[(&[Aim], &[Figure])]) -> String {
     let mut text = String::from("| figure | aim | is | of | |\n|---|---|---|---|---|\n");
     for (aims, figures) in rows {

@@ -30,15 +30,15 @@ pub struct Case {
 pub struct Paper {
     /// The declared model.
     pub declared: Declared,
-    /// 22 000 samples.
+    /// The training record: 22 000 samples.
     pub train: Record,
-    /// 12 000 samples of another excitation.
+    /// The test record: 12 000 samples of another excitation.
     pub test: Record,
-    /// Spans of rest in the training record, s: before and after the motion.
+    /// The rests before and after the motion in the training record, s.
     pub rest_s: [(f64, f64); 2],
 }
 
-/// Training and test record, in samples.
+/// Lengths of the training and the test record, in samples.
 const SAMPLES: [usize; 2] = [22_000, 12_000];
 
 /// The case of a class and a seed; the same seed gives the same case.
@@ -47,7 +47,7 @@ pub fn set(class: Class, seed: u64, options: &Options) -> Case {
     let questions = questions(class, seed, &mut dice);
     let mut tries = 0;
     loop {
-        // What yields smoothly shows at any usual strength: a small effect of it takes an unusual one.
+        // Smooth yielding is visible at every usual strength, so a small effect needs an unusually weak one.
         let usual = tries < USUAL_TRIES;
         if let Some(case) = attempt(class, seed, &questions, options, usual, &mut dice) {
             return case;
@@ -56,21 +56,21 @@ pub fn set(class: Class, seed: u64, options: &Options) -> Case {
     }
 }
 
-/// Names of what the case of a class and a seed hides of the effect list, without setting it.
+/// Names that the case of a class and a seed hides, without making the case; empty for an effect that is not in the list.
 pub fn hides(class: Class, seed: u64) -> Vec<&'static str> {
     let questions = questions(class, seed, &mut dice(class, seed));
     questions.into_iter().map(Question::name).collect()
 }
 
-/// Every class has seeds of its own.
+/// Each class has its own random stream.
 fn dice(class: Class, seed: u64) -> Dice {
     Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56))
 }
 
-/// So many rigs are drawn before strengths below the usual ones are tried.
+/// Number of rigs drawn before strengths below the usual ones are tried.
 const USUAL_TRIES: usize = 40;
 
-/// None where the rig that was drawn does not show the effect at the wanted size.
+/// None if the rig drawn does not show the effect at the wanted size.
 fn attempt(
     class: Class,
     seed: u64,
@@ -141,7 +141,7 @@ fn attempt(
     })
 }
 
-/// Training and test: two different excitations, the second no larger and no quicker than the first.
+/// Training and test: two different excitations, the second no larger and no faster than the first.
 fn plans(slow: bool, rate_hz: f64, dice: &mut Dice) -> [Plan; 2] {
     let high_hz = if slow {
         dice.between(0.8, 1.3)
@@ -184,7 +184,7 @@ struct Bare<'a> {
 }
 
 impl Bare<'_> {
-    /// Chooses the strengths; the actuator first, as the specimen moves with it. None where the rig does not show an
+    /// Chooses the strengths, the actuator's first because the specimen moves with it. None if the rig does not show an
     /// effect at its wanted size.
     fn place(
         &self,

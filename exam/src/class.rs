@@ -1,13 +1,13 @@
-//! Classes of cases, and what can be chosen about them.
+//! Classes of cases and their options.
 
-/// What kind of question a case is.
+/// The kind of question that a case is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Class {
     /// One effect in its textbook form.
     Matched,
-    /// One effect by other equations.
+    /// One effect by equations other than the textbook's.
     Unseen,
-    /// Nothing but parameters that are off within their tolerance.
+    /// Nothing but parameters that are wrong within their tolerance.
     Clean,
     /// Something that the effect list has no name for.
     Outside,
@@ -18,7 +18,7 @@ pub enum Class {
 }
 
 impl Class {
-    /// All.
+    /// All classes.
     pub const ALL: [Self; 6] = [
         Self::Matched,
         Self::Unseen,
@@ -28,7 +28,7 @@ impl Class {
         Self::Confounded,
     ];
 
-    /// In tables and file names.
+    /// The name in tables and file names.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Matched => "matched",
@@ -41,17 +41,17 @@ impl Class {
     }
 }
 
-/// What can be chosen about a case.
+/// Options of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Rms of the sensors' noise over their full scale (one way).
+    /// Rms of the sensors' noise over their full scale (one side).
     pub noise_ratio: f64,
-    /// Smallest and largest size of an effect beyond what declared parameters take up, in units of the channel's floor.
+    /// Smallest and largest size of an effect beyond what the declared parameters can absorb, in units of the channel's floor.
     pub size: (f64, f64),
 }
 
 impl Default for Options {
-    /// Nominal noise, 0.1 % of range.
+    /// The nominal noise, 0.1 % of full scale, and sizes of 5 to 50 floors.
     fn default() -> Self {
         Self {
             noise_ratio: 1e-3,

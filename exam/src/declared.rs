@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-/// A declared value and its standard tolerance, in the unit of its name.
+/// A declared value and its standard tolerance, in the unit of the parameter's name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// The value that is believed.
+    /// The declared value.
     pub value: f64,
     /// One standard tolerance.
     pub tolerance: f64,
@@ -21,13 +21,13 @@ impl Parameter {
 /// Command to displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeclaredActuator {
-    /// Without unit.
+    /// Dimensionless.
     pub gain: Parameter,
     /// Transport delay, ms.
     pub delay_ms: Parameter,
     /// First-order time constant, ms.
     pub lag_ms: Parameter,
-    /// mm; none: the model has no offset.
+    /// mm; none if the model has no offset.
     pub offset_mm: Option<Parameter>,
 }
 
@@ -36,11 +36,11 @@ pub struct DeclaredActuator {
 pub struct DeclaredSpecimen {
     /// N/mm.
     pub stiffness_n_per_mm: Parameter,
-    /// N s/mm; none: the model has no damping.
+    /// N s/mm; none if the model has no damping.
     pub damping_n_s_per_mm: Option<Parameter>,
-    /// kg; none: the model has no mass.
+    /// kg; none if the model has no mass.
     pub mass_kg: Option<Parameter>,
-    /// N; none: the model has no offset.
+    /// N; none if the model has no offset.
     pub offset_n: Option<Parameter>,
 }
 
@@ -53,7 +53,7 @@ pub struct Declared {
     pub specimen: DeclaredSpecimen,
 }
 
-/// A line of the model file: a name, and its parameter where it is declared.
+/// A line of the model file: a name, and its parameter if it is declared.
 type Line = (&'static str, Option<Parameter>);
 
 impl Declared {

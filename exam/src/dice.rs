@@ -1,4 +1,4 @@
-//! Seeded randomness.
+//! Seeded random numbers.
 
 use rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -20,7 +20,7 @@ impl Dice {
         low + (high - low) * unit
     }
 
-    /// Uniform in the logarithm; both positive.
+    /// Uniform in the logarithm; both bounds are positive.
     pub(crate) fn log_between(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -30,12 +30,12 @@ impl Dice {
         StandardNormal.sample(&mut self.0)
     }
 
-    /// Below `n`.
+    /// An index below `n`.
     pub(crate) fn below(&mut self, n: usize) -> usize {
         (self.between(0.0, n as f64) as usize).min(n - 1)
     }
 
-    /// One of them.
+    /// One of the values.
     pub(crate) fn pick<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())]
     }

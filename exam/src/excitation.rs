@@ -1,4 +1,4 @@
-//! What is commanded: multisine, chirp, steps, an earthquake's response; rest before and after.
+//! The commands: multisine, chirp, steps or an earthquake response, with a rest before and after.
 
 use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ, peak};
@@ -7,13 +7,13 @@ use std::f64::consts::{PI, TAU};
 /// Kinds of excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Excitation {
-    /// Many sines of random phase, periodic in half of the records.
+    /// Many sines of random phase, periodic in about half of the records.
     Multisine,
     /// A sweep, up or down.
     Chirp,
     /// Smooth steps between random levels.
     Stepped,
-    /// The displacement of an oscillator in filtered noise.
+    /// The displacement of two oscillators under filtered noise.
     Earthquake,
 }
 
@@ -26,12 +26,12 @@ impl Excitation {
     ];
 }
 
-/// A trajectory to be commanded.
+/// A trajectory to command.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub(crate) kind: Excitation,
     pub(crate) amplitude_mm: f64,
-    /// Upper end of the band.
+    /// Upper end of the band, Hz.
     pub(crate) high_hz: f64,
     pub(crate) rest_before_s: f64,
     pub(crate) moving_s: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// On the fine grid, mm.
+    /// The trajectory on the fine grid, mm.
     pub(crate) fn trajectory(&self, dice: &mut Dice) -> Vec<f64> {
         let steps = |seconds: f64| (seconds * FINE_HZ).round() as usize;
         let n = steps(self.moving_s);
@@ -67,7 +67,7 @@ impl Plan {
         } else {
             1.0
         };
-        // Where the motion is so slow that not one line would be left, it does not repeat.
+        // A motion so slow that no line would be left does not repeat.
         let repeats = periods <= self.high_hz * self.moving_s;
         let periods = if repeats { periods } else { 1.0 };
         let base_hz = periods / self.moving_s;
@@ -85,11 +85,11 @@ impl Plan {
                 )
             })
             .collect();
-        // Campaigns come at more than one level.
+        // Test campaigns use more than one level: the first half may be smaller.
         let low_level = dice.between(0.3, 1.0);
         let mut sum = vec![0.0; n];
         for (hz, amplitude, phase) in parts {
-            // Turned on from sample to sample: a sine of its own for each would take most of the exam's time.
+            // Rotated from sample to sample: computing each sine anew would take most of the exam's time.
             let (turn_sin, turn_cos) = (TAU * hz * DT).sin_cos();
             let (mut sin, mut cos) = phase.sin_cos();
             for x in &mut sum {

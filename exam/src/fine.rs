@@ -1,11 +1,11 @@
-//! Signals on the fine grid: filters, derivatives, sizes.
+//! Signals on the fine grid: filters, derivatives and sizes.
 
-/// Steps a second of the fine grid.
+/// Rate of the fine grid, Hz.
 pub(crate) const FINE_HZ: f64 = 8000.0;
 /// Its step, s.
 pub(crate) const DT: f64 = 1.0 / FINE_HZ;
 
-/// Root of the mean square.
+/// Root mean square.
 pub(crate) fn rms(x: &[f64]) -> f64 {
     (x.iter().map(|a| a * a).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
@@ -15,7 +15,7 @@ pub(crate) fn peak(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |p, a| p.max(a.abs()))
 }
 
-/// First-order lag of `lag_s`, starting in equilibrium; exact for an input that is linear within a step.
+/// First-order lag of `lag_s`, starting in equilibrium; exact for an input that is linear within each step.
 pub(crate) fn lag(u: &[f64], lag_s: f64) -> Vec<f64> {
     if lag_s <= 0.0 {
         return u.to_vec();
@@ -35,7 +35,7 @@ pub(crate) fn lag(u: &[f64], lag_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The signal `delay_s` later, interpolated; at rest at its first value before.
+/// The signal `delay_s` later, interpolated linearly; before its start it has its first value.
 pub(crate) fn delay(u: &[f64], delay_s: f64) -> Vec<f64> {
     (0..u.len())
         .map(|i| at(u, i as f64 - delay_s * FINE_HZ))
@@ -50,7 +50,7 @@ pub(crate) fn at(u: &[f64], index: f64) -> f64 {
     u[i] + (index - i as f64) * (next - u[i])
 }
 
-/// Central difference, 1/s.
+/// Derivative with respect to time by central differences.
 pub(crate) fn derivative(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     (0..n)
@@ -61,7 +61,7 @@ pub(crate) fn derivative(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// `y'' = w^2 (u - y) - damping(y')`, started in equilibrium, integrated symplectically.
+/// `y'' = w^2 (u - y) - damping(y')`, starting in equilibrium, with a symplectic integrator.
 pub(crate) fn second_order(u: &[f64], omega: f64, damping: impl Fn(f64) -> f64) -> Vec<f64> {
     let (mut y, mut v) = (u[0], 0.0);
     u.iter()

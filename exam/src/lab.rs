@@ -1,18 +1,18 @@
-//! A rig as it is and as it is believed to be.
+//! A rig as it is and as it is declared.
 
 use crate::declared::{Declared, DeclaredActuator, DeclaredSpecimen, Parameter};
 use crate::dice::Dice;
 use crate::rig::Truth;
 use crate::size::Sensitivity;
 
-/// A rig: its truth, and the declared model that is off within its tolerances.
+/// A rig: its true values, and the declared model, which is wrong within its tolerances.
 #[derive(Clone, Debug)]
 pub(crate) struct Lab {
     pub(crate) truth: Truth,
     pub(crate) declared: Declared,
 }
 
-/// What a model does not declare, so that it is missing where the rig has it.
+/// What a model does not declare, so that it is missing if the rig has it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Undeclared {
     pub(crate) offset_mm: bool,
@@ -22,7 +22,7 @@ pub(crate) struct Undeclared {
 }
 
 impl Lab {
-    /// Draws one. What the model does not declare the rig does not have either, apart from what will be hidden in it.
+    /// Draws a rig. It has nothing that the model does not declare, apart from what will be hidden in it.
     pub(crate) fn draw(without: Undeclared, dice: &mut Dice) -> Self {
         let k = dice.log_between(80.0, 1200.0);
         let damped = dice.chance(0.5) && !without.damping;
@@ -61,7 +61,7 @@ impl Lab {
         Self { truth, declared }
     }
 
-    /// How the declared parameters of the actuator move its displacement.
+    /// How the actuator's declared parameters change its displacement.
     pub(crate) fn actuator_free(&self, command: &[f64]) -> Vec<Sensitivity> {
         let (t, d) = (&self.truth, &self.declared.actuator);
         let signal = |t: &Truth| t.displacement(command).1;
@@ -89,7 +89,7 @@ impl Lab {
         free
     }
 
-    /// How the declared parameters of the specimen move its force.
+    /// How the specimen's declared parameters change its force.
     pub(crate) fn specimen_free(&self, displacement: &[f64]) -> Vec<Sensitivity> {
         let (t, d) = (&self.truth, &self.declared.specimen);
         let signal = |t: &Truth| t.force(displacement).1;

@@ -1,8 +1,8 @@
-//! Records of a test rig that does something its declared model does not say, and the key to them.
+//! Records of test rigs that do something their declared model does not say, and the keys to them.
 //!
-//! This crate stands apart on purpose: it shares no equation with what it examines, neither with the simulated rigs of
-//! the repository nor with the diagnosis. Everything is computed here on a grid of 8 kHz, from the trajectory that is
-//! commanded to the codes of the converter.
+//! This crate is separate on purpose: it shares no equations with the code it examines, neither with the repository's
+//! simulated rigs nor with the diagnosis. Everything is computed here on an 8 kHz grid, from the commanded trajectory to the
+//! codes of the converter.
 //!
 //! ```text
 //! excitation ─► command ─► gain, delay, lag ─► effects ─► displacement ─► k, c, m ─► effects ─► force
@@ -14,7 +14,7 @@
 //!
 //! [`set`] makes one [`Case`] from a class and a seed. Units: mm, N, s, kg.
 //!
-//! An effect follows either [`Equations::Matched`], the textbook form of the effect list, or [`Equations::Unseen`]:
+//! An effect follows either [`Equations::Matched`], the textbook form in the effect list, or [`Equations::Unseen`],
 //! another model of the same physics (LuGre for Coulomb, Iwan for a bilinear element, two Maxwell branches for one, ...).
 
 pub mod aims;

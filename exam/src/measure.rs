@@ -1,4 +1,4 @@
-//! From the truth to what the converters deliver.
+//! From the true signals to the codes of the converters.
 
 use crate::dice::Dice;
 use crate::effect::{Acts, Channel, Physics};
@@ -7,27 +7,27 @@ use crate::noise::{coloured, convert};
 use crate::record::Record;
 use crate::rig::Truth;
 
-/// Sensors and converters; of two numbers the first is the displacement's.
+/// Sensors and converters. The first of two numbers is the displacement's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Readings {
     pub(crate) rate_hz: f64,
-    /// mm and N, one way.
+    /// One side of the range, mm and N.
     pub(crate) full_scale: [f64; 2],
     /// Rms of the noise, mm and N.
     pub(crate) sigma: [f64; 2],
     pub(crate) bits: [u32; 2],
 }
 
-/// An effect at its strength.
+/// An effect with its strength.
 #[derive(Debug)]
 pub(crate) struct Placed {
     pub(crate) physics: Physics,
     pub(crate) strength: f64,
-    /// In units of the channel's floor.
+    /// Its size, in units of the channel's floor.
     pub(crate) size: f64,
 }
 
-/// The record of a command, and what a perfect model would leave of it, rms, mm and N.
+/// The record of a command, and the rms that a perfect model would leave of it, mm and N.
 pub(crate) fn measure(
     truth: &Truth,
     placed: &[Placed],
@@ -71,7 +71,7 @@ pub(crate) fn measure(
     };
     let (displacement_mm, x_error) = read(Channel::Actuator, x);
     let (force_n, f_error) = read(Channel::Specimen, force);
-    // The specimen's model starts from the measured displacement.
+    // The specimen's model uses the measured displacement.
     let k = truth.stiffness_n_per_mm;
     let through: Vec<f64> = f_error
         .iter()

@@ -1,4 +1,4 @@
-//! Noise that is not white, and converters.
+//! Coloured noise, and converters.
 
 use crate::dice::Dice;
 use crate::fine::rms;

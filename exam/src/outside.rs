@@ -1,11 +1,11 @@
-//! What no name of the effect list describes: the right answer is that something is missing, and no name.
+//! Effects that no name of the effect list describes. The right answer is that something is missing, without a name.
 
 use crate::dice::Dice;
 use crate::effect::{Channel, Physics, Scale, plus};
 use crate::fine::{DT, at, derivative, lag, peak, second_order};
 use std::f64::consts::TAU;
 
-/// The kinds, with their channel.
+/// The kinds and their channels.
 pub(crate) const KINDS: [(&str, Channel); 9] = [
     ("breathing stiffness", Channel::Specimen),
     ("pump beside the specimen", Channel::Specimen),
@@ -18,7 +18,7 @@ pub(crate) const KINDS: [(&str, Channel); 9] = [
     ("wandering delay", Channel::Actuator),
 ];
 
-/// Draws one.
+/// Draws an effect of a kind.
 pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
     let (what, channel) = KINDS[kind];
     let unit = if channel == Channel::Actuator {
@@ -128,7 +128,7 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
     }
 }
 
-/// Random motion of unit rms around a frequency, quiet for the first fifth and the last tenth of the record.
+/// Random motion of unit rms around a frequency, driven from 0.2 to 0.8 of the record.
 fn narrow_band(hz: f64, ratio: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
     let omega = TAU * hz;
     let shaking: Vec<f64> = (0..(seconds / DT) as usize)
@@ -141,7 +141,7 @@ fn narrow_band(hz: f64, ratio: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
             }
         })
         .collect();
-    // What oil moves has no acceleration far above its frequency.
+    // A motion through oil has no acceleration far above the oil's frequency.
     let resonant = |u: &[f64]| second_order(u, omega, |v| 2.0 * ratio * omega * v);
     let mut wave = resonant(&resonant(&lag(&shaking, 1.0 / omega)));
     let size = crate::fine::rms(&wave);

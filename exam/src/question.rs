@@ -1,4 +1,4 @@
-//! What is to be hidden in a case.
+//! What to hide in a case.
 
 use crate::class::Class;
 use crate::dice::Dice;
@@ -11,7 +11,7 @@ use crate::outside;
 pub(crate) enum Question {
     /// An effect of the list.
     Effect(&'static str, Channel, Equations),
-    /// A force that is early on its displacement.
+    /// A force that is ahead of its displacement.
     EarlyForce,
     /// One of the kinds outside the list.
     Outside(usize),
@@ -42,7 +42,7 @@ impl Question {
         }
     }
 
-    /// None where the list has no such effect in the channel.
+    /// None if the list has no such effect in the channel.
     pub(crate) fn draw(self, scale: &Scale, dice: &mut Dice) -> Option<Physics> {
         match self {
             Self::Effect(name, channel, equations) => {
@@ -54,14 +54,14 @@ impl Question {
     }
 }
 
-/// What the model of such a case must leave out.
+/// What the declared model of such a case must leave out.
 pub(crate) fn undeclared(questions: &[Question]) -> Undeclared {
     let asks = |name, channel| {
         questions
             .iter()
             .any(|q| q.name() == name && q.channel() == channel)
     };
-    // The frame of `y / (1 + k / k_frame)` gives way to a spring alone.
+    // The frame of `y / (1 + k / k_frame)` yields only to a spring.
     let compliant = asks("rig_compliance", Channel::Actuator);
     let early = questions.iter().any(|q| matches!(q, Question::EarlyForce));
     Undeclared {
@@ -72,7 +72,7 @@ pub(crate) fn undeclared(questions: &[Question]) -> Undeclared {
     }
 }
 
-/// What a case of this class and seed hides; effects take turns.
+/// What a case of this class and seed hides; the effects take turns.
 pub(crate) fn questions(class: Class, seed: u64, dice: &mut Dice) -> Vec<Question> {
     let turn = |n: usize| (seed % n as u64) as usize;
     let one = |equations| {
@@ -89,7 +89,7 @@ pub(crate) fn questions(class: Class, seed: u64, dice: &mut Dice) -> Vec<Questio
     }
 }
 
-/// Effects of different families; every third pair in two channels, every other one by unseen equations.
+/// Two effects of different families: every third pair in two channels, every second pair by unseen equations.
 fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
     let equations = if seed.is_multiple_of(2) {
         Equations::Matched
@@ -99,7 +99,7 @@ fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
     let apart = seed.is_multiple_of(3);
     loop {
         let (a, b) = (dice.pick(LIST), dice.pick(LIST));
-        // A coarse converter hides the rest; an offset and a drift are one story told twice.
+        // A coarse converter would hide the rest; an offset and a drift would be the same thing twice.
         let coarse = [a.0, b.0].contains(&"quantisation");
         let slow = ["calibration", "slow"];
         let blurred = slow.contains(&a.1) && slow.contains(&b.1);
@@ -115,7 +115,7 @@ fn confounded(seed: u64, dice: &mut Dice) -> Question {
     use Channel::{Actuator, Specimen};
     let matched = |name, channel| Question::Effect(name, channel, Equations::Matched);
     match seed % 4 {
-        // At low frequency a late actuator is late, whatever makes it so.
+        // At low frequency a late actuator is just late, whatever the reason.
         0 => matched(
             dice.pick(&["delay_error", "lag_error", "second_lag"]),
             Actuator,
@@ -123,9 +123,9 @@ fn confounded(seed: u64, dice: &mut Dice) -> Question {
         // F(t + d) = F + k d v on one spring.
         1 if dice.chance(0.5) => Question::EarlyForce,
         1 => matched("viscous_damping", Specimen),
-        // A share of the force is lost.
+        // A share of the force is lost either way.
         2 => matched(dice.pick(&["gain_error", "rig_compliance"]), Specimen),
-        // Loops of one amplitude and one rate.
+        // Their loops look alike at one amplitude and one rate.
         _ => matched(
             dice.pick(&["coulomb_friction", "stribeck_friction", "backlash"]),
             Specimen,
@@ -133,7 +133,7 @@ fn confounded(seed: u64, dice: &mut Dice) -> Question {
     }
 }
 
-/// Whether the record must be kept so slow that the members of the set cannot be told apart.
+/// Whether the record must be so slow that the members of the set cannot be told apart.
 pub(crate) fn slow_only(class: Class, questions: &[Question]) -> bool {
     class == Class::Confounded
         && questions

@@ -1,9 +1,9 @@
-//! What a test leaves behind.
+//! The record of a test.
 
 /// A recorded test, uniform in time.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// Samples a second.
+    /// Sampling rate, Hz.
     pub rate_hz: f64,
     /// s
     pub time_s: Vec<f64>,
@@ -16,9 +16,9 @@ pub struct Record {
 }
 
 impl Record {
-    /// Some of its samples, at their own times.
+    /// A range of its samples, with their original times.
     pub(crate) fn samples(&self, range: std::ops::Range<usize>) -> Self {
-        // What was not recorded is empty.
+        // Columns that were not recorded stay empty.
         let part = |x: &Vec<f64>| x.get(range.clone()).unwrap_or_default().to_vec();
         Self {
             rate_hz: self.rate_hz,

@@ -1,8 +1,8 @@
-//! The rig as it truly is, apart from what is hidden.
+//! The true rig, without what is hidden.
 
 use crate::fine::{delay, derivative, lag};
 
-/// True values of what can be declared; units as in the names.
+/// True values of the parameters that can be declared; units as in the names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Truth {
     pub(crate) gain: f64,
@@ -15,7 +15,7 @@ pub(crate) struct Truth {
     pub(crate) offset_n: f64,
 }
 
-/// What the effects of the actuator can look at.
+/// What effects in the actuator can see.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
     /// Command after gain and transport delay, before the lag, mm.
@@ -24,7 +24,7 @@ pub(crate) struct Drive {
     pub(crate) lag_s: f64,
 }
 
-/// What the effects of the specimen can look at.
+/// What effects in the specimen can see.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// mm
@@ -37,7 +37,7 @@ pub(crate) struct Motion {
     pub(crate) k: f64,
 }
 
-/// An effect sees the channel that it is in.
+/// The channel that an effect is in, as the effect sees it.
 #[derive(Clone, Debug)]
 pub(crate) enum Scene {
     Actuator(Drive),

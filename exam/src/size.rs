@@ -1,4 +1,4 @@
-//! How large an effect is: what is left of it after the declared parameters have moved as far as they may.
+//! The size of an effect: what is left of it after the declared parameters have moved as far as they may.
 
 use crate::effect::Physics;
 use crate::fine::rms;
@@ -6,10 +6,10 @@ use crate::rig::Scene;
 
 /// How far from its declared value a parameter may be refitted, in tolerances.
 const TOLERANCES: f64 = 3.0;
-/// Only every so many steps of the fine grid are looked at: 1 kHz.
+/// Only every eighth step of the fine grid is used, which gives 1 kHz.
 const EVERY: usize = 8;
 
-/// A declared parameter: what one tolerance of it does to the channel, and how many it is off.
+/// A declared parameter: how one tolerance of it changes the channel, and by how many tolerances it is wrong.
 #[derive(Clone, Debug)]
 pub(crate) struct Sensitivity {
     pub(crate) per_tolerance: Vec<f64>,
@@ -17,7 +17,7 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// From the signal of the truth and that of the truth with one tolerance more.
+    /// From the true signal and the one with the parameter one tolerance larger.
     pub(crate) fn new(truth: &[f64], more: &[f64], off: f64) -> Self {
         let per_tolerance = truth
             .iter()
@@ -29,7 +29,7 @@ impl Sensitivity {
     }
 }
 
-/// Rms of `with - without` that the declared parameters cannot take up, in the unit of the channel.
+/// Rms of the part of `with - without` that the declared parameters cannot absorb, in the unit of the channel.
 pub(crate) fn beyond_tolerance(without: &[f64], with: &[f64], free: &[Sensitivity]) -> f64 {
     let mut rest: Vec<f64> = without
         .iter()
@@ -42,7 +42,7 @@ pub(crate) fn beyond_tolerance(without: &[f64], with: &[f64], free: &[Sensitivit
         .map(|s| s.per_tolerance.iter().map(|c| c * c).sum())
         .collect();
     let mut at = vec![0.0; free.len()];
-    // Coordinate descent in a box; the columns are few and not far from orthogonal.
+    // Coordinate descent in a box; the columns are few and nearly orthogonal.
     for _ in 0..60 {
         let mut moved: f64 = 0.0;
         for (j, column) in free.iter().enumerate() {
@@ -70,11 +70,11 @@ pub(crate) fn beyond_tolerance(without: &[f64], with: &[f64], free: &[Sensitivit
     rms(&rest)
 }
 
-/// Of the weakest usual strength.
+/// Weakest unusual strength, as a share of the weakest usual one.
 const UNUSUAL: f64 = 0.02;
 
-/// The strength at which the effect has the wanted size, and that size; the strongest thinkable where it stays below.
-/// Else than `usual`, strengths far below the range of the effect are looked at, too.
+/// The strength at which the effect has the wanted size, and that size; the strongest plausible one if that is still too small.
+/// Unless `usual`, strengths far below the range of the effect are tried, too.
 pub(crate) fn strength_of(
     physics: &Physics,
     scene: &Scene,
@@ -114,7 +114,7 @@ mod tests {
         let sine: Vec<f64> = (0..80_000).map(|i| (0.001 * f64::from(i)).sin()).collect();
         let scaled = |g: f64| sine.iter().map(|x| g * x).collect::<Vec<_>>();
         let free = [Sensitivity::new(&sine, &scaled(1.01), 1.0)];
-        // One tolerance of 1 % is used up, two are left; the rest of 5 % shows.
+        // The parameter is already wrong by one tolerance of 1 %, so it can absorb 2 % more; the rest of 5 % remains.
         assert!(beyond_tolerance(&sine, &scaled(1.02), &free) < 1e-9);
         let left = beyond_tolerance(&sine, &scaled(1.05), &free);
         assert!((left / (0.03 * rms(&sine)) - 1.0).abs() < 1e-3);

@@ -1,4 +1,4 @@
-//! Rigs as others record them: what the diagnosis says of each cause once, and whether its `q` holds.
+//! Rigs as other laboratories record them: what the diagnosis says about each cause once, and whether its `q` holds.
 #![allow(missing_docs)]
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
@@ -53,7 +53,7 @@ fn each_cause_once_gets_no_wrong_name_and_no_refusal() {
     let right = count(&all, &[Mark::Right, Mark::Set]);
     assert!(right >= 30, "{right} of {one_each}");
     assert!(all.iter().all(|s| causes().any(|c| c == s.cause)));
-    // Of a set, what is likelier than not is mostly in the rig.
+    // Members of a set with a probability above one half are mostly in the rig.
     let likely: Vec<bool> = all
         .iter()
         .flat_map(|s| &s.open)
@@ -75,7 +75,7 @@ fn each_device_of_earthquake_laboratories_once_gets_no_wrong_name() {
     assert!(all.iter().all(|s| devices().any(|d| d == s.cause)));
 }
 
-/// Cycles at one speed, where hysteresis beside a dashpot of less than was declared had been named.
+/// Cycles at one speed that were once diagnosed as hysteresis beside a dashpot smaller than declared.
 const DAMPERS_AT_ONE_SPEED: [u64; 4] = [71_009, 71_048, 71_061, 71_100];
 
 #[test]
@@ -90,7 +90,7 @@ fn a_damper_behind_a_brace_at_one_speed_is_no_hysteresis() {
     }
 }
 
-/// Declared by a dashpot alone, which a brace makes late: one that is read late had been named.
+/// Declared as a dashpot alone. The brace makes its force late, and was once diagnosed as a late reading.
 const LATE_DAMPERS: [u64; 2] = [71_087, 72_023];
 
 #[test]
@@ -109,19 +109,19 @@ fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let ordinary = |s: &GradedField| s.notes.iter().any(|n| n.contains("an ordinary ram"));
     assert!(quiet.clone().any(ordinary));
     assert!(all.iter().all(|s| !ordinary(s) || s.said.verdict == "none"));
-    // One of them reaches the largest speed of its valve.
+    // One of the sound rams reaches the largest speed of its valve.
     let right = |s: &&GradedField| matches!(s.mark, Mark::Right | Mark::Set);
     assert!(quiet.filter(right).count() >= 11);
     assert!(others.filter(right).count() >= 6);
 }
 
-/// Rigs whose names were false, and what the record is that such a name was given to.
+/// Rigs that were once given a false name. Each comment says what the record is, then the false name.
 const ONCE_FALSE: [u64; 8] = [
     11_010, 11_255, // cogging: softening
     11_078, // a gas spring: Bouc-Wen hysteresis
-    11_062, // friction that gives for a fifth of the motion, beside a dashpot: Bouc-Wen hysteresis
+    11_062, // friction whose pre-sliding takes a fifth of the motion, beside a dashpot: Bouc-Wen hysteresis
     11_109, // a spring that weakens with travel: Bouc-Wen hysteresis
-    1_099, 11_074, 11_249, // the same in cycles that grow: degradation
+    1_099, 11_074, 11_249, // the same in growing cycles: degradation
 ];
 
 #[test]
@@ -136,12 +136,12 @@ fn names_that_free_functions_reach_are_not_given() {
     }
 }
 
-/// Rigs without a rest whose declared model leaves 12 to 60 times the noise, at high frequencies, too.
+/// Rigs without a rest whose declared model leaves 12 to 60 times the noise, even at high frequencies.
 const LOUD: [u64; 4] = [
     30_004, // a magnetorheological damper
     30_006, // Ramberg-Osgood
     30_072, // a damper of |v|^a
-    30_111, // Ramberg-Osgood in cycles that grow
+    30_111, // Ramberg-Osgood in growing cycles
 ];
 
 #[test]

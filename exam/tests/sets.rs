@@ -1,4 +1,4 @@
-//! Cases of every class: possible, repeatable, of the size that was asked for, and as quiet as their key says.
+//! Cases of every class can be made, are repeatable, have the requested size and are as quiet as their key says.
 
 use exam::effect::LIST;
 use exam::{Case, Channel, Class, Options, set};
@@ -72,7 +72,7 @@ fn at_rest_before_the_test_a_clean_record_holds_its_noise_and_nothing_else() {
             let floor = key.channels[channel as usize].floor_rms;
             let mean = signal[..n].iter().sum::<f64>() / n as f64;
             let own = rms(signal[..n].iter().map(|y| y - mean));
-            // The specimen's floor holds the displacement's noise as well.
+            // The specimen's floor includes the displacement's noise.
             assert!(
                 (0.3..1.5).contains(&(own / floor)),
                 "{seed} {channel:?}: {own} of {floor}"
@@ -83,7 +83,7 @@ fn at_rest_before_the_test_a_clean_record_holds_its_noise_and_nothing_else() {
 
 #[test]
 fn what_a_perfect_model_leaves_of_the_force_is_the_floor_of_the_key() {
-    // A spring alone: stiffness and offset by least squares on the measured displacement.
+    // For a spring alone, stiffness and offset by least squares on the measured displacement.
     let case = (0..200)
         .map(|seed| set(Class::Clean, seed, &Options::default()))
         .find(|c| {

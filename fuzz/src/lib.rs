@@ -1,9 +1,9 @@
-//! What the targets share: their beginnings, and a file to be read.
+//! Shared by the targets: writing seeds, and making a file from bytes.
 
 use std::path::PathBuf;
 
-/// Writes files of this build into the folder that `OUTERLOOP_SEEDS` names, for the fuzzer to begin with. What changes
-/// with every version of the link is not kept in the tree.
+/// Writes seeds made by this build into the folder named by `OUTERLOOP_SEEDS`, for the fuzzer to start from. Seeds that change
+/// with every version of the link are not kept in the repository.
 pub fn begin_with(seeds: impl IntoIterator<Item = Vec<u8>>) {
     let Some(folder) = std::env::var_os("OUTERLOOP_SEEDS").map(PathBuf::from) else {
         return;
@@ -14,7 +14,7 @@ pub fn begin_with(seeds: impl IntoIterator<Item = Vec<u8>>) {
     }
 }
 
-/// `bytes` as a file with this ending, which the next call replaces.
+/// Writes `bytes` to a file with this extension, which the next call overwrites.
 pub fn file_of(bytes: &[u8], ending: &str) -> PathBuf {
     let name = format!("outerloop-fuzz-{}.{ending}", std::process::id());
     let file = std::env::temp_dir().join(name);

@@ -1,4 +1,4 @@
-//! What a test leaves for its replay.
+//! Archives of tests, as a replay loads them.
 #![no_main]
 
 use experiment::Experiment;
@@ -17,7 +17,7 @@ fuzz_target!(
     }
 );
 
-/// Some steps of a test.
+/// An archive with some steps of a test.
 fn archived() -> Vec<u8> {
     let text = include_str!("../../examples/table1.toml");
     let test = TestFile::parse(text, "table1.toml", Path::new(""), &[]).expect("the example");

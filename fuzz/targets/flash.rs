@@ -1,5 +1,5 @@
-//! Words of the flash, and what a board does with a test that it finds there or is sent: whatever is accepted runs without a
-//! panic, and no command is not finite.
+//! Contents of the flash, and what a board does with a test that it finds there or is sent: whatever it accepts runs without a
+//! panic, and every command is finite.
 #![no_main]
 
 use firmware::sim::{CLOCK, CODES};
@@ -25,7 +25,7 @@ fuzz_target!(
     }
 );
 
-/// A slot with this body and the right check sum.
+/// A slot with this body and the right checksum.
 fn slot(kind: [u8; 4], body: &[u8]) -> Vec<u8> {
     let length = u16::try_from(body.len()).unwrap_or(u16::MAX);
     let body = &body[..usize::from(length)];
@@ -51,7 +51,7 @@ fn as_configured(test: &BoardTest) {
     }
 }
 
-/// The actuators do what they are told, one step later, against springs.
+/// Runs a test with actuators that follow their commands one step later, against springs.
 fn runs<const N: usize, R: Rig<N>>(config: &Config, mut outer: OuterLoop<N, R>) {
     let points: Vec<f32> = (0..40).map(|i| (i as f32 * 0.7).sin()).collect();
     let Some(ground) = GroundMotion::new(&points, 0.01, config.model_step_s()) else {

@@ -1,4 +1,4 @@
-//! What comes over the wire: noise, and the bodies of frames whose check sum is right.
+//! Bytes from the wire: noise, and the bodies of frames with the right checksum.
 #![no_main]
 
 use fuzz::begin_with;
@@ -13,7 +13,7 @@ use outerloop_core::{Config, Event};
 fuzz_target!(
     init: begin_with(seeds()),
     |bytes: &[u8]| {
-        // As they are: whatever they do, the frame behind them is found.
+        // First the raw bytes: whatever they contain, the frame after them is found.
         let mut decoder = Decoder::new();
         for byte in bytes {
             if let Some(frame) = decoder.push(*byte) {
@@ -29,7 +29,7 @@ fuzz_target!(
     }
 );
 
-/// A frame with this body comes through, and is understood or not.
+/// A frame with this body arrives, whether or not it can be decoded as a message.
 fn arrives(decoder: &mut Decoder, kind: FrameKind, body: &[u8]) {
     let frame = Frame {
         kind,
@@ -40,7 +40,7 @@ fn arrives(decoder: &mut Decoder, kind: FrameKind, body: &[u8]) {
         Ok(wire) => wire,
         Err(TooLong) => return assert!(body.len() > MAX_BODY),
     };
-    // A zero ends whatever came before it.
+    // A zero byte ends whatever came before it.
     decoder.push(0);
     let mut came = false;
     for byte in &wire {
@@ -53,7 +53,7 @@ fn arrives(decoder: &mut Decoder, kind: FrameKind, body: &[u8]) {
     assert!(came);
 }
 
-/// What is understood is the same when it is sent again.
+/// A message that can be decoded is the same after encoding and decoding it again.
 fn understood(frame: &Frame<'_>) {
     same_again(Command::decode(frame));
     same_again(NumberedReply::decode(frame));
@@ -77,12 +77,12 @@ fn same_again<M: Message>(message: Option<M>) {
         let frame = decoder.push(*byte)?;
         M::decode(&frame)
     });
-    // By its bytes: a NaN is not equal to itself.
+    // Compare bytes, because a NaN is not equal to itself.
     let again = again.and_then(|m| m.encode(1).ok());
     assert_eq!(again, Some(wire));
 }
 
-/// The frame without its wire, as the target takes it: kind, body.
+/// Frames as the target takes them: the kind, then the body.
 fn seeds() -> Vec<Vec<u8>> {
     let body = |kind: u8, wire: &[u8]| {
         let mut decoder = Decoder::new();

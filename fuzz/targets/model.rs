@@ -1,4 +1,4 @@
-//! The declared model: what is accepted is the same when it is written and read again.
+//! The declared model: an accepted model is the same after writing and reading it again.
 #![no_main]
 
 use experiment::files::model::{parse, to_toml};

@@ -1,4 +1,4 @@
-//! Records and ground motions, of every kind and dialect that is read.
+//! Records and ground motions in CSV files of every kind that can be read.
 #![no_main]
 
 use experiment::files::columns::Columns;

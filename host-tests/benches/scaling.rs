@@ -1,4 +1,4 @@
-//! What a step costs with 1, 2, 4 and 8 degrees of freedom, and how that grows.
+//! Cost of a step with 1, 2, 4 and 8 degrees of freedom, and how it grows.
 //!
 //! `cargo bench -p host-tests --bench scaling`. The best of several runs, without the plant: a step is what the board does.
 #![allow(missing_docs)]
@@ -12,7 +12,7 @@ use std::time::Instant;
 const STEPS: usize = 20_000;
 const RUNS: usize = 15;
 
-/// Nanoseconds of a step with `method`: samples are recorded first, so that only core is timed.
+/// Nanoseconds per step with `method`: samples are recorded first, so that only core is timed.
 fn cost_ns<const N: usize>(method: Method) -> f64 {
     let mut scenario = Scenario::delayed(
         Config::shear_frame([1000.0; N], [797.3e3; N], [0.02; N]),
@@ -57,7 +57,7 @@ fn cost_ns<const N: usize>(method: Method) -> f64 {
     (0..RUNS).map(run).fold(f64::INFINITY, f64::min)
 }
 
-/// Least squares of `a + b n + c n^2`.
+/// Least squares fit of `a + b n + c n^2`.
 fn fit(points: &[(f64, f64)]) -> [f64; 3] {
     let mut m = [[0.0; 4]; 3];
     for &(n, ns) in points {

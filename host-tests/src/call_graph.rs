@@ -1,5 +1,5 @@
-//! Who can be called from a function of a Thumb-2 image, by its branches, and how much stack that takes, by what each
-//! function takes off the stack pointer.
+//! Which functions can be reached from a function of a Thumb-2 image, by its branches, and how much stack that takes, by what
+//! each function subtracts from the stack pointer.
 //!
 //! # Limitations
 //! A call through a register cannot be followed; it is reported, so that a proof can demand that there is none.
@@ -14,11 +14,11 @@ pub struct CallGraph {
     code: Vec<u8>,
     /// First address of a function to its end and name.
     functions: BTreeMap<u32, (u32, String)>,
-    /// First address of a stretch to whether it is code; between the instructions lie tables and constants.
+    /// First address of a stretch to whether it is code; tables and constants lie between the instructions.
     stretches: BTreeMap<u32, bool>,
 }
 
-/// What a function can come to.
+/// What a function can reach.
 #[derive(Debug, Default)]
 pub struct Reach {
     /// Names of the functions.
@@ -27,7 +27,7 @@ pub struct Reach {
     pub unknown: Vec<u32>,
 }
 
-/// What an instruction does to the flow.
+/// The effect of an instruction on the control flow.
 enum Flow {
     To(u32),
     Register,
@@ -35,10 +35,10 @@ enum Flow {
 }
 
 impl CallGraph {
-    /// Of an ELF image.
+    /// The call graph of an ELF image.
     ///
     /// # Errors
-    /// It is none, or has no code.
+    /// It is not an ELF image, or has no code.
     pub fn new(image: &[u8]) -> Result<Self, String> {
         let file = object::File::parse(image).map_err(|e| e.to_string())?;
         let text = file.section_by_name(".text").ok_or("there is no .text")?;
@@ -67,11 +67,10 @@ impl CallGraph {
         })
     }
 
-    /// Everything that `name` can come to, itself included, without what lies behind functions with `stop` in their
-    /// names.
+    /// Everything that `name` can reach, including itself, but not through functions with `stop` in their names.
     ///
     /// # Errors
-    /// There is no such function, or something branches to where none is.
+    /// There is no such function, or a branch leads to no function.
     pub fn reach(&self, name: &str, stop: &str) -> Result<Reach, String> {
         let first = self.functions.iter().find(|(_, (_, n))| n == name);
         let mut open = vec![*first.ok_or(format!("there is no {name}"))?.0];
@@ -99,7 +98,7 @@ impl CallGraph {
         Ok(reach)
     }
 
-    /// Where the functions of these names lie.
+    /// Address ranges of the functions with these names.
     pub fn ranges(&self, names: &BTreeSet<String>) -> Vec<Range<u32>> {
         let all = self.functions.iter();
         all.filter(|(_, (_, name))| names.contains(name))
@@ -112,7 +111,7 @@ impl CallGraph {
         (self.begin, &self.code)
     }
 
-    /// The bytes of the function with `part` in its name, from its beginning to its first call or jump elsewhere.
+    /// The bytes of the function with `part` in its name, up to its first call or jump elsewhere.
     ///
     /// # Errors
     /// There is no such function, or more than one.
@@ -142,11 +141,11 @@ impl CallGraph {
         names.filter(move |name| name.contains(part))
     }
 
-    /// Bytes of stack at the deepest of the calls that `name` can come to, without those to functions with one of `stop`
-    /// in their names, and the functions on the way there with what each takes.
+    /// Bytes of stack on the deepest call path from `name`, without calls to functions with one of `stop` in their names, and
+    /// the functions on that path with what each takes.
     ///
     /// # Errors
-    /// There is no such function, something branches to where none is, or a function calls itself on a way.
+    /// There is no such function, a branch leads to no function, or functions call each other recursively.
     pub fn stack(&self, name: &str, stop: &[&str]) -> Result<(u32, Vec<(String, u32)>), String> {
         let first = self.functions.iter().find(|(_, (_, n))| n == name);
         let first = *first.ok_or(format!("there is no {name}"))?.0;
@@ -161,7 +160,7 @@ impl CallGraph {
         Ok((known[&first].0, way))
     }
 
-    /// Depth below `begin`, and the callee on the deepest way.
+    /// Depth from `begin`; `known` keeps it with the callee on the deepest path.
     fn deepest(
         &self,
         begin: u32,
@@ -208,7 +207,7 @@ impl CallGraph {
         Ok(depth)
     }
 
-    /// Bytes that the functions with `part` in their names take off the stack pointer themselves, together.
+    /// Total bytes that the functions with `part` in their names subtract from the stack pointer themselves.
     pub fn frames(&self, part: &str) -> u32 {
         let all = self.functions.iter();
         all.filter(|(_, (_, name))| name.contains(part))
@@ -216,7 +215,7 @@ impl CallGraph {
             .sum()
     }
 
-    /// The most that one function takes off the stack pointer, bytes, and its name.
+    /// The most that one function subtracts from the stack pointer, bytes, and its name.
     pub fn largest_frame(&self) -> (u32, &str) {
         let all = self.functions.iter();
         all.map(|(begin, (_, name))| (self.frame(*begin), name.as_str()))
@@ -262,14 +261,14 @@ impl CallGraph {
     }
 }
 
-/// The instruction at `at`: its length, and where it may go. Encodings by the ARMv7-M manual, A7.7.
+/// The instruction at `at`: its length, and where it may branch. Encodings by the ARMv7-M manual, A7.7.
 fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
     let to = |offset: i32| Flow::To(at.wrapping_add(4).wrapping_add_signed(offset));
     // The low `bits` of `value`, with its sign.
     let signed = |value: u32, bits: u32| ((value << (32 - bits)) as i32) >> (32 - bits);
     if first >> 11 < 0b11101 {
         let flow = match first {
-            // B<c>, but for the undefined and the supervisor call.
+            // B<c>, except the undefined one and the supervisor call.
             0xd000..=0xddff => to(signed(u32::from(first & 0xff) << 1, 9)),
             0xe000..=0xe7ff => to(signed(u32::from(first & 0x7ff) << 1, 12)),
             // CBZ and CBNZ go forward only.
@@ -277,7 +276,7 @@ fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
                 let i = u32::from(first);
                 to(((i >> 3 & 0x1f) << 1 | (i >> 9 & 1) << 6) as i32)
             }
-            // BX and BLX, but for the return by LR.
+            // BX and BLX, except the return by LR.
             _ if first & 0xff00 == 0x4700 && first & 0x78 != 0x70 => Flow::Register,
             _ => Flow::On,
         };
@@ -304,7 +303,7 @@ fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
     (4, flow)
 }
 
-/// Bytes that an instruction takes off the stack pointer.
+/// Bytes that an instruction subtracts from the stack pointer.
 fn taken(first: u16, second: u16) -> u32 {
     let (a, b) = (u32::from(first), u32::from(second));
     let immediate = (a >> 10 & 1) << 11 | (b >> 12 & 7) << 8 | b & 0xff;
@@ -339,7 +338,7 @@ fn expand(immediate: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Instructions as an assembler gives them.
+    /// Instructions as assembled.
     #[test]
     fn what_is_taken_off_the_stack_is_what_an_assembler_says() {
         assert_eq!(taken(0xb5f0, 0), 20, "push {{r4-r7, lr}}");
@@ -354,7 +353,7 @@ mod tests {
         assert_eq!(taken(0xf50d, 0x5d80), 0, "add.w sp, sp, #4096");
     }
 
-    /// Instructions as an assembler gives them for address 0x1000.
+    /// Instructions as assembled for address 0x1000.
     #[test]
     fn branches_go_where_an_assembler_says() {
         let to = |first, second| match decode(0x1000, first, second) {

@@ -1,4 +1,4 @@
-//! Ground motions: one drawn here, which is always there, and those by other people where they are at hand (see the crate `test-data`).
+//! Ground motions: one generated here, always available, and third-party records if they are at hand (see the crate `test-data`).
 
 use crate::Shaking;
 use experiment::files::ground_motion::GroundMotionFile;
@@ -6,7 +6,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::TAU;
 
-/// A ground motion by its file name without ending; `None`, and a line that says so, where the data are missing.
+/// A ground motion by its file name without extension; `None`, with a message, if the data are missing.
 pub fn ground_motion(name: &str) -> Option<Shaking> {
     let path = test_data::file(&format!("ground-motion/{name}.csv"))?;
     let text = std::fs::read_to_string(&path).ok()?;
@@ -24,7 +24,7 @@ pub fn ground_motion(name: &str) -> Option<Shaking> {
     })
 }
 
-/// The records by other people of different shakings, by their file names, as far as they are here.
+/// Third-party records of different kinds of shaking, as far as they are at hand.
 pub fn recorded() -> Vec<GroundMotionFile> {
     let names = [
         "ELCENTRO_NS_1940_NGAW2",
@@ -51,16 +51,16 @@ pub fn kobe_and_tabas() -> Option<[(&'static str, Shaking); 2]> {
     ])
 }
 
-/// The drawn motion, and Kobe and Tabas where they are: what has to be true of any strong ground motion.
+/// The generated motion, and Kobe and Tabas if they are at hand: for what must be true of any strong ground motion.
 pub fn motions() -> Vec<(&'static str, Shaking)> {
     let mut all = vec![("drawn", drawn())];
     all.extend(kobe_and_tabas().into_iter().flatten());
     all
 }
 
-/// A strong motion on firm ground, so that a copy of this repository without anybody's records holds a bound of every figure:
-/// cosines with drawn phases under the spectrum of Kanai (1957) and Tajimi (1960), 1.5 Hz and 60 %, from .2 to 20 Hz, which
-/// rise for 10 s, stay for 5 s and die away; peak 5 m/s^2; 150 s.
+/// A strong motion on firm ground, so that a copy of this repository without third-party records can check a bound of every
+/// figure: cosines with random phases and the spectrum of Kanai (1957) and Tajimi (1960), 1.5 Hz and 60 %, from 0.2 to 20 Hz,
+/// which rise for 10 s, stay for 5 s and decay; peak 5 m/s^2; 150 s.
 pub fn drawn() -> Shaking {
     const INTERVAL_S: f64 = 0.01;
     const GROUND_HZ: f64 = 1.5;

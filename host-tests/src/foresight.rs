@@ -1,15 +1,15 @@
-//! Whether the error that a diagnosis foretells of held-out data is the one that they show: pairs of open records, and of
-//! simulated rigs.
+//! Whether the error that a diagnosis predicts for held-out data is the actual one: pairs from open records and from simulated
+//! rigs.
 
 use crate::exam::examinee;
 use crate::outside::Case;
 use diagnosis::ChannelAnswer;
 use exam::{Class, Options};
 
-/// An interval and what came.
+/// A predicted interval and the actual error.
 #[derive(Clone, Debug)]
 pub struct Pair {
-    /// Which record, trained on what.
+    /// The record, and what it was trained on.
     pub name: String,
     /// 90 % interval of the rms.
     pub foretold: [f64; 2],
@@ -18,7 +18,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// True if what came lies inside.
+    /// True if the actual error lies inside.
     pub fn holds(&self) -> bool {
         (self.foretold[0]..=self.foretold[1]).contains(&self.came)
     }
@@ -32,7 +32,7 @@ impl Pair {
     }
 }
 
-/// The pairs of an open record: as it is given, the other way round, and with either half of the training data alone.
+/// The pairs of an open record: as given, with training and test data exchanged, and with either half of the training data.
 pub fn of_case(case: &Case) -> Vec<Pair> {
     let [train, test] = case.spans();
     let halves = |spans: &[String]| -> Option<[Vec<String>; 2]> {

@@ -1,9 +1,9 @@
-//! A frame drawn here for the multi-axial benchmark, so that a copy of this repository without the problem's files holds a
-//! bound of its figures.
+//! A frame made up here for the multi-axial benchmark, so that a copy of this repository without the problem's files can check
+//! a bound of its figures.
 //!
-//! Three storeys and three bays of beams and columns that bend by Euler and Bernoulli, columns give way along their axis,
-//! beams do not. Under the middle bay, which stands in the laboratory, the columns have the declared section and pinned feet.
-//! Sections are the published order of magnitude; no number comes from the problem's tables.
+//! Three storeys and three bays of Euler-Bernoulli beams and columns; columns are axially flexible, beams are not. In the first
+//! storey of the middle bay, which is in the laboratory, the columns have the declared section and pinned feet. Sections are of
+//! the published order of magnitude; no number comes from the problem's tables.
 
 use benchmarks::marths::structure::{DOF, FREE_ROTATION, ROTATION, STOREYS, X};
 use std::fmt::Write as _;
@@ -13,20 +13,20 @@ const LINES: usize = 4;
 /// Height of a storey and width of a bay, m.
 const HEIGHT_M: f64 = 0.635;
 const BAY_M: f64 = 0.762;
-/// Bending stiffness of the columns, of those with pinned feet, of the beams of an outer and of the middle bay, N m^2.
+/// Bending stiffness of the columns, of those with pinned feet, and of the beams from the left (outer, middle, outer bay), N m^2.
 const COLUMN_N_M2: f64 = 8e5;
 const PINNED_N_M2: f64 = 2.1e5;
 const BEAMS_N_M2: [f64; LINES - 1] = [2e4, 8e4, 2e4];
 /// Axial stiffness of a column over its height, N/m.
 const AXIAL_N_PER_M: f64 = 9e8;
-/// Mass at a joint of the first floor, and at an outer and an inner joint of those above, kg. It weighs upwards at its joint and
-/// sideways on the floor.
+/// Mass at a joint of the first floor, and at the joints of those above from the left, kg. It acts vertically at its joint and
+/// horizontally on the floor.
 const FIRST_KG: f64 = 2e3;
 const ABOVE_KG: [f64; LINES] = [2e3, 4e3, 4e3, 2e3];
 
 type Matrix = [[f64; DOF]; DOF];
 
-/// Degrees of freedom by what moves: those that the loop asks for are where the problem has them, the others take what is left.
+/// Indices of the degrees of freedom: those that the loop uses are where the problem has them, the others take the rest.
 struct Places {
     sway: [usize; 3],
     rotation: [[usize; LINES]; 3],
@@ -41,7 +41,7 @@ impl Places {
         let mut left = (0..DOF).filter(|i| !taken.contains(i));
         let mut next = || left.next().expect("29 degrees of freedom are as many");
         let mut rotation = [[0; LINES]; 3].map(|floor| floor.map(|_| next()));
-        // The rotations of the first floor that are not the middle bay's: two numbers go to the feet instead.
+        // The first floor's rotations at the middle bay are those that the loop uses: their two indices go to the feet instead.
         let feet = [rotation[0][1], rotation[0][2]];
         rotation[0][1] = FREE_ROTATION;
         rotation[0][2] = ROTATION;
@@ -54,8 +54,8 @@ impl Places {
     }
 }
 
-/// Adds an element that bends: deflection and rotation of its one end, then of the other; `None`: it is held there. `turned` is -1
-/// where a positive rotation is a falling slope.
+/// Adds a bending element: deflection and rotation of one end, then of the other; `None`: fixed. `turned` is -1 if a positive
+/// rotation is a negative slope.
 fn bend(k: &mut Matrix, ends: [Option<usize>; 4], ei_n_m2: f64, l: f64, turned: f64) {
     let shape = [
         [12.0, 6.0 * l, -12.0, 6.0 * l],
@@ -73,7 +73,7 @@ fn bend(k: &mut Matrix, ends: [Option<usize>; 4], ei_n_m2: f64, l: f64, turned: 
     }
 }
 
-/// Adds a column's give along its axis.
+/// Adds a column's axial stiffness.
 fn press(k: &mut Matrix, lower: Option<usize>, upper: usize) {
     k[upper][upper] += AXIAL_N_PER_M;
     if let Some(lower) = lower {
@@ -115,7 +115,7 @@ fn matrices() -> [Matrix; 2] {
     [k, m]
 }
 
-/// The problem's files as this frame has them: stiffness, mass, and a least squares that knows nothing when it starts.
+/// The problem's files for this frame: stiffness, mass, and the start of a least squares without prior knowledge.
 pub fn tables() -> [String; 3] {
     let [stiffness, mass] = matrices().map(|matrix| {
         let line = |row: &[f64; DOF]| row.map(|x| x.to_string()).join(",") + "\n";
@@ -125,7 +125,7 @@ pub fn tables() -> [String; 3] {
     for actuator in [1, 2] {
         for tap in 0..4 {
             let row = |of: f64| [0, 1, 2, 3].map(|i| if i == tap { of } else { 0.0 });
-            // The command is the target, and any other inverse is as likely, in mm.
+            // It starts with the command equal to the target, and a large covariance; in mm.
             let _ = writeln!(start, "theta0_{actuator},{}", row(1.0)[0]);
             let covariance = row(1e5).map(|x| x.to_string()).join(",");
             let _ = writeln!(start, "P0_{actuator},{covariance}");
@@ -164,7 +164,7 @@ mod tests {
             }
             assert!((0..DOF).all(|column| k[column][row] == force[column]));
         }
-        // The columns of the first storey: the sway, the joints that turn, those that are lifted, and the feet.
+        // The columns of the first storey are strained: sway, rotating joints, lifted joints, and feet.
         assert!(strained >= 10, "{strained}");
     }
 }

@@ -1,6 +1,6 @@
 //! Scenarios across crates: core's loop on plant's rig, judged by the paper's errors.
 //!
-//! The driver here is written apart from the PC tool's, so that a figure that both print has been computed twice.
+//! The driver here is independent of the PC tool's, so that a figure printed by both has been computed twice.
 
 pub mod call_graph;
 pub mod compensations;
@@ -21,7 +21,7 @@ use outerloop_core::{
 };
 use plant::{Rig, RigSpec};
 
-/// A test and its rig, as a few lines of a test file: the tables of `[plant]` without their heads.
+/// A test and its rig, as a few lines of a test file: the tables of `[plant]` without their headers.
 #[derive(Clone, Debug)]
 pub struct Scenario {
     /// The test.
@@ -55,7 +55,7 @@ impl Scenario {
     /// The rig that the tables describe.
     ///
     /// # Panics
-    /// Where they cannot be read.
+    /// They cannot be read.
     pub fn rig(&self) -> RigSpec {
         let text = format!(
             "[actuator]\n{}\n[specimen]\n{}\n[sensors]\n{}",
@@ -67,7 +67,7 @@ impl Scenario {
     /// Runs `seconds` of model time.
     ///
     /// # Panics
-    /// Where the configuration or the rig is refused: a scenario is expected to be possible.
+    /// The configuration or the rig is refused: a scenario is expected to be possible.
     pub fn run<const N: usize>(&self, shaking: &Shaking, seconds: f64, seed: u64) -> Trace<N> {
         run(&self.config, &self.rig(), shaking, seconds, seed)
     }
@@ -105,12 +105,12 @@ pub fn whole_pipeline(mut scenario: Scenario) -> Scenario {
     scenario
 }
 
-/// A recorded or made-up ground motion.
+/// A recorded or generated ground motion.
 #[derive(Clone, Debug)]
 pub struct Shaking {
     /// Acceleration, m/s^2.
     pub acc_m_per_s2: Vec<f32>,
-    /// Interval of the points, s.
+    /// Interval between points, s.
     pub interval_s: f64,
 }
 
@@ -129,7 +129,7 @@ impl Shaking {
 pub struct Trace<const N: usize> {
     /// Records of the running test.
     pub records: Vec<Record<N>>,
-    /// Where the loop stood at the end.
+    /// The loop's mode at the end.
     pub mode: Mode,
     /// Hash over all records.
     pub hash: u64,

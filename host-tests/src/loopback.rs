@@ -1,5 +1,5 @@
-//! The firmware's simulated board behind frames of bytes, with a simulated rig behind its converters: what a PC sees of a
-//! board, in this process and in one thread. A read runs the board on by some steps.
+//! The firmware's simulated board behind the link's frames, with a simulated rig behind its converters: what a PC sees of a
+//! board, in this process and in one thread. Each read advances the board by some steps.
 
 use firmware::sim::{Bench, CLOCK, Plant};
 use firmware::station::{Heartbeat, Report};
@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-/// What stands behind a board's converters.
+/// What is behind a board's converters.
 pub trait Laboratory<const A: usize> {
     /// One control period under these commands, m: displacement, m, and force, N, of each actuator.
     fn period(&mut self, command_m: [f64; A]) -> [[f64; 2]; A];
@@ -28,7 +28,7 @@ impl<const A: usize> Laboratory<A> for Rig {
     }
 }
 
-/// The first two of three actuators hold a coupler; behind the third is nothing.
+/// The first two of three actuators hold a coupler; the third has no load.
 impl Laboratory<3> for CoupledRig {
     fn period(&mut self, [first_m, second_m, _]: [f64; 3]) -> [[f64; 2]; 3] {
         let reading = self.step([first_m, second_m]);
@@ -37,7 +37,7 @@ impl Laboratory<3> for CoupledRig {
     }
 }
 
-/// A simulated rig with `A` actuators that is blocked where it stands while PERMIT is low.
+/// A simulated rig with `A` actuators that is blocked where it is while PERMIT is low.
 pub struct BlockedRig<const A: usize = 1> {
     rig: Box<dyn Laboratory<A>>,
     stands_at_m: [f64; A],
@@ -67,7 +67,7 @@ pub fn of_version(version: u8, frame: &Frame<'_>) -> Vec<u8> {
     wire
 }
 
-/// A command as a program of another version of the link sends it, where the command itself is the same in both.
+/// A command as a program of another version of the link sends it; the command itself is the same in both.
 ///
 /// # Panics
 /// No command is too long for it.
@@ -81,7 +81,7 @@ pub fn command_of_version(version: u8, command: &Command) -> Vec<u8> {
     of_version(version, &frame)
 }
 
-/// What happens to a loopback after some steps of it.
+/// A fault that is injected after some steps.
 pub type FaultInjection<const A: usize = 1> = Box<dyn FnMut(&mut Loopback<A>)>;
 
 /// A board at the other end of a port.
@@ -95,36 +95,36 @@ pub struct Loopback<const A: usize = 1> {
     out: VecDeque<u8>,
     /// Control steps since power-up.
     pub steps: u64,
-    /// How long they have taken, by the board's clock.
+    /// Duration of these steps by the board's clock.
     elapsed: Duration,
-    /// Frames of telemetry that are dropped on the line from now on.
+    /// Number of telemetry frames to drop on the line from now on.
     pub drop_frames: usize,
-    /// Steps whose digest has a wrong bit from now on, as if the board had worked out another step.
+    /// Number of steps whose digest has a wrong bit from now on, as if the board had computed another step.
     pub wrong_bits: usize,
-    /// The board's tasks are away for so many steps from now on; then they take in all that has waited.
+    /// Number of steps for which the board's tasks are absent from now on; then they process all that has waited.
     pub away_steps: usize,
-    /// The wire is cut: nothing comes and nothing goes.
+    /// The wire is cut, both ways.
     pub cut: bool,
-    /// What the PC writes is lost on its way.
+    /// What the PC writes is lost.
     pub is_deaf: bool,
-    /// What comes from the board is noise.
+    /// What is received from the board is noise.
     pub is_noisy: bool,
-    /// What happens, and at which step, in this order.
+    /// Faults to inject, with their steps, in this order.
     pub incidents: VecDeque<(u64, FaultInjection<A>)>,
 }
 
 impl<const A: usize> Loopback<A> {
-    /// A board that has just got power, with `rig` behind its converters.
+    /// A board just powered up, with `rig` behind its converters.
     pub fn new(rig: impl Laboratory<A> + 'static) -> Self {
         Self::standing_at(rig, [0.0; A])
     }
 
-    /// The same with a rig that was left there, m.
+    /// The same with a rig left at these positions, m.
     pub fn standing_at(rig: impl Laboratory<A> + 'static, stands_at_m: [f64; A]) -> Self {
         let rig = Box::new(rig);
         let blocked = BlockedRig { rig, stands_at_m };
         let mut board = Bench::new(blocked);
-        // What the PC shows of itself, only its frames show.
+        // The PC's heartbeat comes only from its frames.
         board.alive = [Heartbeat::Listen, Heartbeat::Report, Heartbeat::Report];
         Self {
             board,
@@ -145,7 +145,7 @@ impl<const A: usize> Loopback<A> {
         }
     }
 
-    /// One control step, and what the tasks do after it.
+    /// One control step, and the tasks after it.
     fn step(&mut self) {
         self.board.period();
         self.steps += 1;

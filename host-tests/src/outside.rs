@@ -17,12 +17,12 @@ pub struct Published {
     pub tolerance: f64,
 }
 
-/// What a textbook fit reaches.
+/// Errors of a textbook fit.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Reference {
     /// Error of the declared model, a fraction of the scatter.
     pub before_nrmse: f64,
-    /// Error of the best single textbook form.
+    /// Error of the best single textbook law.
     pub after_nrmse: f64,
 }
 
@@ -40,17 +40,17 @@ pub struct Case {
     train: Vec<String>,
     test: Vec<String>,
     rest: Vec<String>,
-    /// Verdicts that are right.
+    /// Correct verdicts.
     pub verdicts: Vec<String>,
-    /// Names that are right.
+    /// Correct names.
     pub names: Vec<String>,
-    /// Names that are half right.
+    /// Half-correct names.
     pub half: Vec<String>,
-    /// A set is right that holds one of these.
+    /// A set is correct if it contains one of these.
     pub set_must_hold_one_of: Vec<String>,
-    /// Names that are wrong whatever they fit.
+    /// Names that are always wrong, however well they fit.
     pub never: Vec<String>,
-    /// What each cause may be called, where the case says it.
+    /// Accepted names of each cause, if the case gives them.
     #[serde(default)]
     pub both: Vec<Vec<String>>,
     /// What is known of the cause.
@@ -58,7 +58,7 @@ pub struct Case {
     /// Parameters as published.
     #[serde(default)]
     pub published: BTreeMap<String, Published>,
-    /// What a textbook fit reaches.
+    /// Errors of a textbook fit.
     pub reference: Reference,
 }
 
@@ -67,7 +67,7 @@ struct Cases {
     case: Vec<Case>,
 }
 
-/// All cases of the first lot; `None` where the data are missing, which is counted.
+/// All cases of the first lot; `None` if the data are missing, which is counted.
 pub fn cases() -> Option<Vec<Case>> {
     lot("outside")
 }
@@ -81,7 +81,7 @@ pub fn lot(folder: &str) -> Option<Vec<Case>> {
 /// All cases of a folder.
 ///
 /// # Errors
-/// A `cases.toml` that cannot be read or is none.
+/// The `cases.toml` cannot be read or parsed.
 pub fn cases_in(folder: &Path) -> Result<Vec<Case>, String> {
     let path = folder.join("cases.toml");
     let refuse = |why: String| format!("{}: {why}", path.display());
@@ -93,7 +93,7 @@ pub fn cases_in(folder: &Path) -> Result<Vec<Case>, String> {
     Ok(cases.case)
 }
 
-/// As [`Case::watched`], of a record with its model.
+/// As [`Case::watched`], for a record with its model.
 ///
 /// # Errors
 /// The sentence of a refusal.
@@ -112,7 +112,7 @@ impl Case {
         self.between(&self.train, &self.test)
     }
 
-    /// The whole of the first held-out file, and where its span begins, s.
+    /// The whole first held-out file, and the start of its span, s.
     ///
     /// # Errors
     /// The sentence of a refusal.
@@ -129,7 +129,7 @@ impl Case {
         Ok((whole, from_s.unwrap_or(0.0)))
     }
 
-    /// What the rig watch would have said while the whole of the first record was measured, and whether the diagnosis agrees.
+    /// What the rig watch would have said during the whole first held-out file, and whether the diagnosis agrees.
     ///
     /// # Errors
     /// The sentence of a refusal.
@@ -139,7 +139,7 @@ impl Case {
         watched(&declared, &record)
     }
 
-    /// What is trained with and what is held out.
+    /// Training and held-out spans.
     pub fn spans(&self) -> [&[String]; 2] {
         [&self.train, &self.test]
     }
@@ -179,7 +179,7 @@ impl Case {
         Ok((own.ok_or("the channel is missing")?, found.seconds))
     }
 
-    /// Whether each of two causes is among the names; `None` where there is one.
+    /// Whether both causes are among the names; `None` if there is only one cause.
     pub fn has_both(&self, a: &ChannelAnswer) -> Option<bool> {
         let named = |names: &Vec<String>| {
             a.effects
@@ -189,15 +189,15 @@ impl Case {
         (self.both.len() > 1).then(|| self.both.iter().all(named))
     }
 
-    /// Whether an answer names what is never right: a wrong name, where nothing is missing any.
+    /// Whether an answer that is not a set names a wrong effect; if the only correct verdict is `none`, any effect is wrong.
     pub fn is_wrong(&self, a: &ChannelAnswer) -> bool {
         let sure = !matches!(a.verdict, Verdict::Ambiguous);
         let wrong = |n: &str| self.never.iter().any(|w| w == n) || self.verdicts == ["none"];
         sure && a.effects.iter().any(|e| wrong(e.name.name()))
     }
 
-    /// 1, one half or 0, by the rules of the cases: a right name or set whose error is at most 1.4 times a textbook
-    /// fit's; half for `unknown` with the right nearest; nothing for a name that is wrong.
+    /// Points by the rules of the cases: 1 for a correct name or set with an error of at most 1.4 times a textbook fit's;
+    /// half for a larger error, for a half-correct name and for `unknown` with the right nearest; 0 for a wrong name.
     pub fn points(&self, a: &ChannelAnswer) -> f64 {
         let verdict = match a.verdict {
             Verdict::None => "none",

@@ -1,7 +1,7 @@
-//! The other way round: a specimen with a named Bouc-Wen element, driven by its force, simulated with what was found.
+//! Force-driven simulation of a specimen with a named Bouc-Wen element, with the diagnosed parameters.
 //!
-//! The field's benchmark asks for that: rms of the displacement over a record that took no part (Noel and Schoukens,
-//! Hysteretic benchmark with a dynamic nonlinearity, 2016).
+//! The field's benchmark requires it: rms of the displacement error over a held-out record (Noel and Schoukens, Hysteretic
+//! benchmark with a dynamic nonlinearity, 2016).
 
 use diagnosis::{ChannelAnswer, Recording};
 use plant::Effect;
@@ -26,7 +26,7 @@ struct Oscillator {
 type State = [f64; 3];
 
 impl Oscillator {
-    /// From an answer that names the element.
+    /// An oscillator from an answer that names the element.
     fn of(answer: &ChannelAnswer) -> Option<Self> {
         let refitted = |name: &str| {
             answer
@@ -69,7 +69,7 @@ impl Oscillator {
         [v, sum / self.mass, self.element * gives * v]
     }
 
-    /// One classical Runge-Kutta step; `force` at its begin, middle and end.
+    /// One classical Runge-Kutta step; `force` at its start, middle and end.
     fn step(&self, s: State, force: [f64; 3], h: f64) -> State {
         let along = |s: State, k: State, by: f64| std::array::from_fn(|i| s[i] + by * k[i]);
         let a = self.slope(s, force[0]);
@@ -86,8 +86,8 @@ fn between(y: [f64; 4], u: f64) -> f64 {
     b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)))
 }
 
-/// rms of measured less simulated displacement from `from_s` on, m; the simulation begins with the record. `None` where
-/// the answer has no such element or a signal is missing.
+/// Rms of measured minus simulated displacement from `from_s`, m; the simulation starts with the record. `None` if the
+/// answer has no such element or a signal is missing.
 pub fn displacement_error_m(
     answer: &ChannelAnswer,
     record: &Recording,

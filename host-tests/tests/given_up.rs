@@ -1,5 +1,5 @@
-//! Ctrl-C while a board goes to its start position, that of a test or of a commissioning signal: it ends the approach, and the
-//! board is idle without permission. A signal is caught once for all: each of these tests runs in a program of its own.
+//! Ctrl-C while a board approaches the start position of a test or of a commissioning signal: it ends the approach, and the
+//! board is idle without permission. A signal handler is installed once per process, so each of these tests runs in its own.
 #![allow(missing_docs)]
 #![cfg(unix)]
 
@@ -19,20 +19,20 @@ use std::process::Command;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// How far from the start the rig was left, and how long its way there takes, s.
+/// How far from the start the rig was left, mm, and how long the approach takes, s.
 const OFF_MM: f64 = 5.0;
 const WAY_S: f64 = 10.0;
 
-/// Control steps after power-up at which somebody presses Ctrl-C: on that way.
+/// Control steps after power-up at which Ctrl-C is pressed, during that approach.
 const PRESSED: u64 = 6000;
 
-/// Set in a program that runs one of these tests alone.
+/// Set in a process that runs one of these tests alone.
 const ALONE: &str = "OUTERLOOP_GIVEN_UP_ALONE";
 
-/// What was when Ctrl-C was pressed: whether it was, the board's mode and its PERMIT.
+/// State when Ctrl-C was pressed: whether it was sent, the board's mode and its PERMIT.
 type Pressed = (bool, Mode, bool);
 
-/// True in a program of its own for the test of this name; elsewhere it has passed in one.
+/// True in a separate process for the test of this name; otherwise runs it in one, where it must pass.
 fn is_alone(name: &str) -> bool {
     if std::env::var_os(ALONE).is_some() {
         return true;
@@ -40,7 +40,7 @@ fn is_alone(name: &str) -> bool {
     let mut alone = Command::new(std::env::current_exe().unwrap());
     let ended = alone.args(["--exact", name]).env(ALONE, "1").output();
     let said = String::from_utf8(ended.unwrap().stdout).unwrap();
-    // A failure, and a name that no test has, end otherwise.
+    // A failure or an unknown test name ends otherwise.
     assert!(said.contains("test result: ok. 1 passed"), "{said}");
     false
 }
@@ -56,7 +56,7 @@ fn test() -> TestFile {
     TestFile::parse(&text, "t.toml", Path::new(""), &[]).unwrap()
 }
 
-/// A calibrated board that is off its start, and on its way there Ctrl-C is pressed.
+/// A calibrated board away from its start; Ctrl-C is pressed during its approach.
 fn off_the_start(test: &TestFile) -> (Connection<Loopback>, Receiver<Pressed>) {
     let storeys = &test.config.structure.stiffness_n_per_m;
     let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap();
@@ -72,7 +72,7 @@ fn off_the_start(test: &TestFile) -> (Connection<Loopback>, Receiver<Pressed>) {
                 loopback.board.hardware.board.permit,
             ))
             .unwrap();
-        // Another thread hears of it.
+        // Another thread handles it.
         std::thread::sleep(Duration::from_millis(300));
     };
     loopback.incidents.push_back((PRESSED, Box::new(presses)));
@@ -82,7 +82,7 @@ fn off_the_start(test: &TestFile) -> (Connection<Loopback>, Receiver<Pressed>) {
     (connection, was)
 }
 
-/// It was given up on its way, as `said`, and nothing moves any more.
+/// The approach was given up with the sentence `said`, and nothing moves any more.
 fn assert_given_up(
     why: Failure,
     said: &str,
@@ -123,7 +123,7 @@ fn ctrl_c_ends_the_approach_before_a_commissioning_signal_too() {
     }
     let test = test();
     let (mut connection, was) = off_the_start(&test);
-    // Its limits, which follow from it, let the rig stand where it was left.
+    // Its limits, which follow from the signal, allow the rig's position.
     let sine = Trajectory::Formula(CommissioningSignal {
         actuator: 0,
         shape: SignalShape::Sine { frequency_hz: 0.5 },

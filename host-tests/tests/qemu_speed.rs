@@ -1,4 +1,4 @@
-//! How fast the closed loop with QEMU is. A file of its own, so that no other test runs beside it.
+//! Speed of the closed loop with QEMU. In a file of its own, so that no other test runs at the same time.
 #![allow(missing_docs)]
 
 use host_tests::qemu::bench::{self, emulated, rig, shaking};
@@ -20,7 +20,7 @@ fn twenty_times_faster_than_real_time() {
     let ticks = 40_000;
     let loop_s = f64::from(ticks) / scenario.config.timing.rate_hz;
     let mut best = 0.0_f64;
-    // Of several: other work on the machine slows a run down, nothing makes it faster.
+    // The best of several: other work on the machine slows a run down, nothing makes it faster.
     for _ in 0..8 {
         let begin = Instant::now();
         emulated::<1>(

@@ -16,11 +16,11 @@ use std::ops::ControlFlow;
 pub struct Problem {
     /// The whole structure.
     pub reference: FrameMatrices,
-    /// What is computed.
+    /// The part that is computed.
     pub numerical: FrameMatrices,
-    /// What is subtracted as physical.
+    /// The part that is subtracted as physical.
     pub part: PhysicalMatrices,
-    /// What contestants start from.
+    /// The calibration that contestants start from.
     pub calibration: Calibration,
 }
 
@@ -37,7 +37,7 @@ pub struct MarthsRecord {
 }
 
 impl Problem {
-    /// From the problem's files.
+    /// The problem from its own files.
     ///
     /// # Errors
     /// A file that is not the problem's.
@@ -51,7 +51,7 @@ impl Problem {
         })
     }
 
-    /// The same with another part subtracted as physical, but for [`FrameMatrices::held_by`]. It is a deviation from the
+    /// The same with another part subtracted as physical, limited by [`FrameMatrices::held_by`]. This deviates from the
     /// problem's rules.
     #[must_use]
     pub fn with(mut self, part: &PhysicalMatrices) -> Self {
@@ -133,7 +133,7 @@ impl MarthsRecord {
         &self.reference
     }
 
-    /// J2 of a controller without any error: the reading's noise alone.
+    /// J2 of a controller without any error, from the reading's noise alone.
     pub fn j2_floor(&self) -> Both {
         [0, 1].map(|i| {
             let all = self.reference.target_m.iter().map(|t| t[i]);
@@ -195,8 +195,8 @@ pub struct Worst {
     pub lost: usize,
 }
 
-/// All rows: by record, then by controller. `tell` is called after every trial, and says whether
-/// to go on; where it does not, the rows that have not begun are left out.
+/// All rows, by record, then by controller. `tell` is called with 1 after every trial, and with 0 before every row to ask
+/// whether to go on; if not, rows that have not begun are left out.
 ///
 /// # Errors
 /// A numerical part that cannot be integrated.
@@ -251,7 +251,7 @@ pub fn rows(
         .collect()
 }
 
-/// What a loop that ran away is given: JSON has no infinity.
+/// The value for a loop that ran away, because JSON has no infinity.
 const RAN_AWAY: Both = [1e6; 2];
 
 fn lost() -> Criteria {

@@ -14,25 +14,25 @@ use outerloop_core::coupled::{
 /// One of the contestants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairContestant {
-    /// The target itself is sent.
+    /// Sends the target itself.
     None,
     /// Four taps as published, fixed.
     Fir,
     /// Four taps by recursive least squares.
     Rodeac,
-    /// No controller: the strokes are the targets of the last sample. Nothing that waits for its reading is better.
+    /// No controller: the strokes are the targets of the last sample. Nothing that waits for its reading can be better.
     Perfect,
-    /// Core's inverse with cross terms, of the nominal plant.
+    /// Core's inverse of the nominal plant, with cross terms.
     CoupledFixed,
-    /// The same with the plant estimated; the force comes from the raw readings.
+    /// The same with an estimated plant; the force comes from the raw readings.
     CoupledRaw,
-    /// The same; the force comes from the estimated strokes.
+    /// The same, but the force comes from the estimated strokes.
     Coupled,
-    /// One of another crate.
+    /// A controller of another crate.
     Outside(&'static OutsidePair),
 }
 
-/// The contestants of the command's table, their names and what they know, best known last.
+/// The contestants of the command's table with their names and what they know; the perfect one is last.
 pub const ALL: [(PairContestant, &str, &str); 7] = [
     (PairContestant::None, "none", "nothing"),
     (
@@ -76,7 +76,7 @@ impl PairContestant {
         }
     }
 
-    /// By its name.
+    /// The contestant of a name.
     ///
     /// # Errors
     /// A name that no contestant has.
@@ -94,24 +94,24 @@ impl PairContestant {
     }
 }
 
-/// What contestants are calibrated with.
+/// The calibration of the contestants.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     start: [Start; 2],
     coupled: [TrackerConstants; 2],
 }
 
-/// Modes that show at the interface.
+/// Number of modes that are visible at the interface.
 const MODES: usize = 3;
-/// Noise that the numerical part leaves on x (m) and on the rotation (rad), rms: the reading's, through the structure.
+/// Noise of the numerical part's x (m) and rotation (rad), rms: the reading's noise through the structure.
 const TARGET_NOISE: [f64; 2] = [2e-8, 1.2e-5];
-/// White acceleration of a mode beside the ground's, in a sample.
+/// White acceleration of a mode in a sample, in addition to the ground's.
 const PROCESS: f64 = 0.2;
-/// Below it the estimated strokes follow the reading, Hz.
+/// Below this frequency the estimated strokes follow the reading, Hz.
 const TRUST_READING_HZ: f64 = 5.0;
 
 impl Calibration {
-    /// Of the published start values, the nominal plant and the modes of the reference structure.
+    /// From the published start values, the nominal plant and the modes of the reference structure.
     ///
     /// # Errors
     /// A tracker that core refuses.
@@ -145,7 +145,7 @@ impl Calibration {
         })
     }
 
-    /// A contestant at rest; none for the perfect one.
+    /// A contestant's controller at rest; none for the perfect one.
     pub fn controller(&self, contestant: PairContestant) -> Option<Box<dyn PairController + Send>> {
         let coupled = |k: &TrackerConstants, estimated| {
             Box::new(CoreTracker {
@@ -167,7 +167,7 @@ impl Calibration {
     }
 }
 
-/// The nominal plant as core has it.
+/// The nominal plant in core's form.
 fn nominal() -> Plant {
     let p = ActuatorParameters::nominal();
     let pair = |a: f64, b: f64| [a as f32, b as f32];
@@ -183,7 +183,7 @@ fn nominal() -> Plant {
     }
 }
 
-/// What of the plant may be off: the published spread, and 3 % for the gains.
+/// The plant's uncertain parameters: the published spread, and 3 % for the gains.
 fn spreads() -> Spreads {
     use Parameter::{FastPole, Gain, Lead, NaturalFrequency, PathLead, SlowPole};
     [
@@ -205,7 +205,7 @@ fn spreads() -> Spreads {
     .collect()
 }
 
-/// The modes of the reference as the interface shows them, in the rig's sign.
+/// The modes of the reference as seen at the interface, in the rig's sign.
 fn target(reference: &FrameMatrices, at: usize, coordinate: usize) -> ObserverSettings {
     let sign = if coordinate == 1 { SIGN } else { 1.0 };
     let mut modes = reference.modes(at, MODES);

@@ -1,24 +1,25 @@
-//! What a contestant is, and how to add one.
+//! The interface of a contestant, and how to add one.
 //!
-//! A controller of another crate is an [`OutsidePair`] in a list of contestants: `benchmarks/examples/your_pair.rs` is one file
-//! that runs. To be in the command's table, it becomes one file here and one row in [`super::contestants::ALL`].
+//! A controller of another crate is an [`OutsidePair`] in a list of contestants; `benchmarks/examples/your_pair.rs` is one
+//! complete file. To appear in the command's table, a controller needs one file here and one row in
+//! [`super::contestants::ALL`].
 
-/// What a controller gets to see of a sample beside the readings.
+/// What a controller sees of a sample besides the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetSample {
-    /// x (m) and rotation (rad, in the rig's sign) that the interface is to have.
+    /// Target x (m) and rotation (rad, in the rig's sign) of the interface.
     pub interface: [f64; 2],
-    /// The same as strokes of the actuators, m.
+    /// The same as actuator strokes, m.
     pub stroke_m: [f64; 2],
     /// Acceleration of the ground, m/s^2.
     pub ground_m_per_s2: f64,
 }
 
-/// A tracking controller for both actuators. Every sample asks first [`observe`](Self::observe), then
+/// A tracking controller for both actuators. Every sample calls first [`observe`](Self::observe), then
 /// [`command`](Self::command).
 pub trait PairController {
-    /// Takes the readings of the strokes, m, and says where the actuators are, m: the displacement that the controller's
-    /// block estimates, which goes into the force and into J5 and J7. The default is the reading itself.
+    /// Takes the readings of the strokes, m, and returns the strokes as the controller's block estimates them, m. These go
+    /// into the force and into J5 to J7 and J9. The default is the reading itself.
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
         read_m
     }
@@ -32,7 +33,7 @@ pub trait PairController {
 pub struct OutsidePair {
     /// Its name.
     pub name: &'static str,
-    /// Makes one, at rest.
+    /// Makes one at rest.
     pub make: fn() -> Box<dyn PairController + Send>,
 }
 
@@ -44,7 +45,7 @@ impl PartialEq for OutsidePair {
 
 impl Eq for OutsidePair {}
 
-/// The target itself is sent.
+/// Sends the target itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uncompensated;
 

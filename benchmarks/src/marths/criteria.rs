@@ -1,11 +1,11 @@
-//! J1 to J9, each as a pair: actuator 1 and 2, or x and rotation.
+//! J1 to J9, each as a pair: for actuators 1 and 2, for x and rotation, or for two storeys.
 
 use super::RATE_HZ;
 use super::trial::MarthsTrace;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What the criteria mean, for those who read them.
+/// The meaning of the criteria, for readers of the table.
 pub const MEANING: [&str; 9] = [
     "J1: delay of each stroke behind its target, ms",
     "J2: tracking error of actuator 1 / 2 as read, standard deviation over that of the target, %",
@@ -18,7 +18,7 @@ pub const MEANING: [&str; 9] = [
     "J9: J7, largest, %",
 ];
 
-/// A criterion for both.
+/// A criterion for both actuators, coordinates or storeys.
 pub type Both = [f64; 2];
 
 /// What a trial is judged by. Per cent but for the delay.
@@ -57,7 +57,7 @@ pub struct Criteria {
 }
 
 impl Criteria {
-    /// Of a trial against the reference structure.
+    /// The criteria of a trial against the reference structure.
     pub fn of(trace: &MarthsTrace, reference: &MarthsTrace) -> Self {
         let pair = |found: &[Both], exact: &[Both], by: fn(&[f64], &[f64]) -> f64| {
             [0, 1].map(|i| by(&column(found, i), &column(exact, i)))
@@ -84,7 +84,7 @@ fn column(pairs: &[Both], i: usize) -> Vec<f64> {
     pairs.iter().map(|p| p[i]).collect()
 }
 
-/// Standard deviation of the difference over that of `exact`, per cent; what is not finite is infinite.
+/// Standard deviation of the difference over that of `exact`, per cent; infinite if it is not finite.
 pub fn deviation(found: &[f64], exact: &[f64]) -> f64 {
     let error: Vec<f64> = found.iter().zip(exact).map(|(f, e)| f - e).collect();
     let share = 100.0 * spread(&error) / spread(exact);
@@ -102,7 +102,7 @@ fn spread(x: &[f64]) -> f64 {
     (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
-/// Largest difference over the largest of `exact`, per cent.
+/// Largest difference over the largest magnitude of `exact`, per cent.
 fn peak(found: &[f64], exact: &[f64]) -> f64 {
     let largest = |x: &mut dyn Iterator<Item = f64>| {
         x.fold(0.0_f64, |m, v| {
@@ -117,7 +117,7 @@ fn peak(found: &[f64], exact: &[f64]) -> f64 {
     100.0 * error / largest(&mut exact.iter().copied())
 }
 
-/// Samples by which `late` follows `early`, looked for up to an eighth of a second.
+/// Number of samples by which `late` follows `early`, searched up to an eighth of a second.
 fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
     let n = early.len().min(late.len());
     let correlation = |lag: i32| -> f64 {
@@ -133,7 +133,7 @@ fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
             .map(|(x, y)| x * y)
             .sum()
     };
-    // Narrow-band responses: the best of every 4th, then of its neighbours.
+    // The responses are narrow-band: take the best of every 4th lag, then of its neighbours.
     let best = |lags: &mut dyn Iterator<Item = i32>| {
         lags.map(|lag| (lag, correlation(lag)))
             .max_by(|a, b| a.1.total_cmp(&b.1))

@@ -1,7 +1,7 @@
-//! What the declared physical part costs a tracker without any error.
+//! What the declared physical part costs even a tracker without any error.
 //!
-//! It still has a J7 of 10 % and 8 %: what is subtracted as physical is not the frame that answers. A diagnosis of the loop's
-//! own record finds what does ([`record`] is what it is given); subtracting that instead lowers the floor.
+//! Such a tracker still has a J7 of 10 % and 8 %, because the part that is subtracted as physical is not the frame that really
+//! responds. A diagnosis of the loop's own record (see [`record`]) finds the real one; subtracting that instead lowers the floor.
 
 use super::SIGN;
 use super::criteria::{Both, deviation};
@@ -36,22 +36,22 @@ pub fn floor(
     Ok([0, 1].map(|i| deviation(&column(&tracked, i), &column(&exact, i))))
 }
 
-/// The coordinates of a [`PhysicalMatrices`], as a record and a model name them.
+/// The coordinates of a [`PhysicalMatrices`], under the names that records and models use.
 pub const COORDINATES: [&str; 3] = ["x_m", "free_rotation_rad", "rotation_rad"];
 
-/// One coordinate of a part as the loop has it, in the structure's sign.
+/// One coordinate of a part during the test, in the structure's sign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coordinate {
-    /// Where the numerical part sends it, m or rad.
+    /// Its target from the numerical part, m or rad.
     pub target: Vec<f64>,
-    /// Where it is read to be.
+    /// Its reading, m or rad.
     pub displacement: Vec<f64>,
-    /// What the numerical part gets from the laboratory, N or N m.
+    /// The force that the numerical part gets from the laboratory, N or N m.
     pub force: Vec<f64>,
 }
 
-/// The record of a trial, in the order of [`COORDINATES`]. The free rotation is where the numerical part has it: nothing
-/// moves it in the laboratory, and no force comes from there.
+/// The record of a trial, in the order of [`COORDINATES`]. The free rotation is taken from the numerical part: nothing in the
+/// laboratory moves it, and no force comes from it.
 pub fn record(trace: &MarthsTrace) -> [Coordinate; 3] {
     let column = |pairs: &[Both], i: usize, sign: f64| -> Vec<f64> {
         pairs.iter().map(|p| sign * p[i]).collect()

@@ -1,8 +1,8 @@
-//! A controller from outside as a table: its commands for a given table of strokes.
+//! An outside controller as a table: its commands for a given table of strokes.
 //!
-//! The targets are the strokes of the reference structure: where a perfect test would have the actuators. The commands are
-//! played to the nominal plant and judged by where the strokes come to lie. The loop is not closed: no force goes back into
-//! the structure, so J8, which is of the storeys above, has no figure.
+//! The targets are the strokes of the reference structure, where a perfect test would have the actuators. The commands are
+//! played on the nominal plant and judged by the resulting strokes. The loop is not closed: no force goes back into the
+//! structure, so J8, which is about the storeys above, has no figure.
 
 use super::bench::MarthsRecord;
 use super::criteria::Criteria;
@@ -10,16 +10,16 @@ use super::rig::{ActuatorParameters, Channels, at_rest};
 use super::trial::{MarthsTrace, interface};
 use crate::Refused;
 
-/// The targets of actuator 1 and 2 under `record`, m, one a sample at 1024 Hz.
+/// The targets of actuators 1 and 2 under `record`, m, one for each sample at 1024 Hz.
 pub fn targets_m(record: &MarthsRecord) -> [Vec<f64>; 2] {
     let strokes = &record.reference().target_m;
     [0, 1].map(|i| strokes.iter().map(|s| s[i]).collect())
 }
 
-/// Judges the commands of actuator 1 and 2, m, one a sample, each held until the next. J8 is NaN.
+/// Judges the commands of actuators 1 and 2, m, one for each sample and held until the next. J8 is NaN.
 ///
 /// # Errors
-/// Another number of commands than samples.
+/// Numbers of commands and samples that differ.
 pub fn judge(
     record: &MarthsRecord,
     commands_m: [&[f64]; 2],

@@ -1,7 +1,7 @@
-//! The frame that answers in the laboratory: one bay of steel with pinned feet.
+//! The frame in the laboratory: one bay of steel with pinned feet.
 //!
-//! Five degrees of freedom (x of the beam, four rotations), condensed to x and the rotation of the interface. Velocity and
-//! acceleration of the interface are not measured; here they come from a second-order filter at 50 Hz.
+//! It has five degrees of freedom (x of the beam and four rotations), condensed to x and the rotation of the interface. Velocity
+//! and acceleration of the interface are not measured; here they come from a second-order filter at 50 Hz.
 
 use super::{PERIOD_S, SIGN};
 use nalgebra::{Matrix2, SMatrix, SymmetricEigen, Vector2};
@@ -11,14 +11,14 @@ use nalgebra::{Matrix2, SMatrix, SymmetricEigen, Vector2};
 pub struct InterfaceFrame {
     /// kg, kg m^2.
     pub mass: Matrix2<f64>,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Matrix2<f64>,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Matrix2<f64>,
 }
 
 impl InterfaceFrame {
-    /// As published.
+    /// The published frame.
     pub fn published() -> Self {
         let inch4 = 0.0254_f64.powi(4);
         let inch2 = 0.0254_f64.powi(2);
@@ -77,7 +77,7 @@ impl InterfaceFrame {
         }
     }
 
-    /// The same in the structure's sign: how it adds to the numerical part.
+    /// Mass, damping and stiffness in the structure's sign, as they add to the numerical part.
     pub fn in_structure(&self) -> [Matrix2<f64>; 3] {
         let turn = Matrix2::from_diagonal(&Vector2::new(1.0, SIGN));
         [self.mass, self.damping, self.stiffness].map(|m| turn * m * turn)
@@ -96,12 +96,12 @@ fn modal(mass: &Matrix2<f64>, stiffness: &Matrix2<f64>, ratio: f64) -> Matrix2<f
         * root
 }
 
-/// Corner of the filter that velocities and accelerations come from, rad/s.
+/// Corner of the filter that gives velocities and accelerations, rad/s.
 const CORNER_RAD_PER_S: f64 = std::f64::consts::TAU * 50.0;
 /// Its damping ratio.
 const RATIO: f64 = 0.7;
 
-/// The force of a frame that is moved.
+/// The force of a frame in motion.
 #[derive(Clone, Debug)]
 pub struct Resistance {
     frame: InterfaceFrame,
@@ -111,7 +111,7 @@ pub struct Resistance {
 }
 
 impl Resistance {
-    /// At rest.
+    /// A frame at rest.
     pub fn new(frame: InterfaceFrame) -> Self {
         Self {
             frame,
@@ -125,9 +125,9 @@ impl Resistance {
     pub fn step(&mut self, interface: [f64; 2]) -> [f64; 2] {
         let at = Vector2::from(interface);
         let w = CORNER_RAD_PER_S;
-        // Semi-implicit steps of a quarter of a period: stable, and exact enough behind 50 Hz. Between two samples the
-        // interface goes straight: on a staircase the filter slows down within every sample, its acceleration at the end
-        // of one is short by 148 times the speed, and every kilogram has a damper of less than nothing.
+        // Semi-implicit steps of a quarter period are stable, and accurate enough behind a 50 Hz filter. The interface
+        // moves linearly between samples. With a staircase the filter would slow down within every sample: its acceleration
+        // at the end would be too small by 148 times the speed, which adds negative damping for every kilogram.
         let mut acceleration = Vector2::zeros();
         for part in [0.25, 0.5, 0.75, 1.0] {
             let there = self.last + (at - self.last) * part;
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Work in a period over pi times the squared amplitude and the angular frequency: the damping that a motion finds.
+    /// The effective damping is the work in a period over pi times the squared amplitude and the angular frequency.
     #[test]
     fn a_slow_sine_finds_the_damping_of_the_frame() {
         let f = InterfaceFrame::published();
@@ -176,7 +176,7 @@ mod tests {
         }
         let omega = w / PERIOD_S;
         let found = work / (std::f64::consts::PI * omega);
-        // The acceleration is 4.5 ms late, which damps a little more.
+        // The acceleration is 4.5 ms late, which adds a little damping.
         let late = 2.0 * RATIO / CORNER_RAD_PER_S * omega * omega * f.mass[(0, 0)];
         let known = f.damping[(0, 0)] + late;
         assert!(

@@ -1,19 +1,19 @@
-//! RoDeAC: for each actuator an inverse of four taps by recursive least squares.
+//! RoDeAC: for each actuator a four-tap inverse by recursive least squares.
 //!
 //! Quiroz, Galmez and Fermandois, "Robust decentralized adaptive compensation for the multi-axial real-time hybrid
 //! simulation benchmark", Frontiers in Built Environment 10 (2024). The command is `theta . (r_k, r_k-1, r_k-2, r_k-3)`;
-//! `theta` follows from the measured strokes in place of the targets, both sides behind a fourth-order Butterworth of
-//! 20 Hz, without forgetting.
+//! `theta` is fitted with the measured strokes in place of the targets, both sides filtered by a fourth-order Butterworth
+//! low-pass of 20 Hz, without forgetting.
 //!
-//! The published start of the covariance was calibrated in metres. With the strokes in millimetres in the loop the figures of
-//! others come out (J2 3.4 and 1.8 %); in metres the least squares hardly move from their start (J2 27 and 7 %).
+//! The published start of the covariance was calibrated in metres. With strokes in millimetres in the loop we get the figures
+//! of others (J2 3.4 and 1.8 %); in metres the least squares hardly move from their start (J2 27 and 7 %).
 
 use super::RATE_HZ;
 use super::controller::{PairController, TargetSample};
 use crate::Refused;
 use nalgebra::{Matrix4, Vector4};
 
-/// What the published calibration starts from, for one actuator.
+/// The published start values for one actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     theta: Vector4<f64>,
@@ -51,7 +51,7 @@ pub fn parse(csv: &str) -> Result<[Start; 2], Refused> {
     Ok([start(1)?, start(2)?])
 }
 
-/// Fourth-order Butterworth low-pass, as two sections by the bilinear transform.
+/// A fourth-order Butterworth low-pass: two sections by the bilinear transform.
 #[derive(Clone, Copy, Debug)]
 struct Butterworth {
     sections: [Biquad; 2],
@@ -132,7 +132,7 @@ fn shifted(past: &Vector4<f64>, new: f64) -> Vector4<f64> {
     Vector4::new(new, past[0], past[1], past[2])
 }
 
-/// Both actuators, each for itself.
+/// Both actuators, independently of each other.
 #[derive(Clone, Debug)]
 pub struct FourTaps {
     axes: [Axis; 2],
@@ -140,7 +140,7 @@ pub struct FourTaps {
 }
 
 impl FourTaps {
-    /// At rest; `adapts`: the least squares go on, else the start stays.
+    /// Taps at rest. With `adapts` the least squares run, otherwise the start values stay.
     pub fn new(start: &[Start; 2], adapts: bool) -> Self {
         Self {
             axes: start.map(|s| Axis {

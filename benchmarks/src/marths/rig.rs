@@ -1,6 +1,6 @@
-//! Two hydraulic actuators on a coupler that hold the frame: a 2 x 2 plant with drawn uncertainties.
+//! Two hydraulic actuators on a coupler that holds the frame: a 2 x 2 plant with drawn uncertainties.
 //!
-//! Command `j` passes the poles of its column; a gain and a zero make of it what stroke `i` shows.
+//! Command `j` passes the poles of its column; a gain and zeros turn the result into its part of stroke `i`.
 
 use super::{PERIOD_S, RATE_HZ};
 use outerloop_core::coupled::Coupler;
@@ -25,9 +25,9 @@ pub struct ActuatorParameters {
     pub q: [f64; 2],
     /// Zero of stroke 1 and of stroke 2 in the second column.
     pub z2: [f64; 2],
-    /// Natural frequency of the frame.
+    /// Natural angular frequency of the frame.
     pub f: f64,
-    /// Stroke `i` at rest per command `j`.
+    /// Static stroke `i` per command `j`.
     pub gain: [[f64; 2]; 2],
 }
 
@@ -35,13 +35,13 @@ pub struct ActuatorParameters {
 pub const FRAME_RATIO: f64 = 0.621_661;
 
 impl ActuatorParameters {
-    /// As published.
+    /// The published plant.
     pub fn nominal() -> Self {
         let (p, z) = ([2.65, 40.0], [120.0, 90.0]);
         let (q, z2, f) = ([3.5, 18.5], [3.0, 5.0], 50.0_f64.hypot(63.0));
         let turn = |hz: [f64; 2]| hz.map(|x| x * TAU);
         let (p, z, q, z2, f) = (turn(p), turn(z), turn(q), turn(z2), f * TAU);
-        // Published are gains of the highest power of s.
+        // The published gains belong to the highest power of s.
         let first = z[0] * z[1] / (p[0] * p[1] * f * f);
         let second = 1.0 / (q[0] * q[1] * f * f);
         Self {
@@ -57,12 +57,12 @@ impl ActuatorParameters {
         }
     }
 
-    /// A plant of the published spread: 6 % of the first column's poles, 5.5 % of its zeros, 3 % of the second's poles and
-    /// zeros, 5 % of the frame's poles; gains at rest stay.
+    /// A plant drawn from the published spread: 6 % for the first column's poles, 5.5 % for its zeros, 3 % for the second's
+    /// poles and zeros, 5 % for the frame's poles. The static gains stay.
     pub fn drawn(seed: u64) -> Self {
         let mut normal = Normal::new(seed, Purpose::DrawnPlant, 1);
         let mut off = |spread: f64| {
-            // Farther than three deviations would be another machine.
+            // More than three standard deviations would be another machine.
             1.0 + spread * normal.sample().clamp(-3.0, 3.0)
         };
         let mut plant = Self::nominal();
@@ -81,7 +81,7 @@ impl ActuatorParameters {
         plant
     }
 
-    /// The same as a pair of actuators of the crate `plant`.
+    /// The same as an actuator pair of the crate `plant`.
     fn actuators(&self) -> ActuatorPairSpec {
         let hz = |w: f64| w / TAU;
         let lead_ms = |w: f64| 1e3 / w;
@@ -105,7 +105,7 @@ pub fn at_rest(p: &ActuatorParameters) -> ActuatorPair {
 
 /// Stroke per volt, m/V, of each actuator.
 const M_PER_V: [f64; 2] = [7.4921e-3, 7.3907e-3];
-/// Commands end there, V.
+/// Limit of the commands, V.
 const LIMIT_V: f64 = 3.8;
 /// A code of the 18-bit converters, V.
 const CODE_V: f64 = 1.0 / 262_144.0;
@@ -125,7 +125,7 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// The same seed repeats the same noise; `scale` multiplies it.
+    /// Channels whose noise is repeatable by its seed and multiplied by `scale`.
     pub fn new(seed: u64, scale: f64) -> Self {
         Self {
             noise: [0, 1].map(|i| Normal::new(seed, Purpose::DisplacementNoise, i)),
@@ -142,12 +142,12 @@ impl Channels {
         })
     }
 
-    /// What the actuators get of the commands, m, and whether one was at its limit.
+    /// The commands as they reach the actuators, m, and whether one was at its limit.
     pub fn send(&self, command_m: [f64; 2]) -> ([f64; 2], bool) {
         let volts = [0, 1].map(|i| command_m[i] / M_PER_V[i]);
         let sent = [0, 1].map(|i| {
             let held = (volts[i] / CODE_V).round() * CODE_V;
-            // A NaN moves nothing.
+            // A NaN gives no command.
             let held = if held.is_finite() { held } else { 0.0 };
             held.clamp(-LIMIT_V, LIMIT_V) * M_PER_V[i]
         });
@@ -159,7 +159,7 @@ impl Channels {
 mod tests {
     use super::*;
 
-    /// |H_ii| and delay in ms at `hz`, from the strokes themselves.
+    /// |H_ii| and delay in ms at `hz`, from the true strokes.
     fn response(i: usize, hz: f64) -> (f64, f64) {
         let mut rig = at_rest(&ActuatorParameters::nominal());
         let w = TAU * hz * PERIOD_S;
@@ -176,7 +176,7 @@ mod tests {
             command[i] = phase.sin();
             rig.step(command);
         }
-        // Half a sample of it is the hold.
+        // The hold adds half a sample.
         let delay_s = -im.atan2(re) / (TAU * hz) - 0.5 * PERIOD_S;
         (re.hypot(im), delay_s * 1e3)
     }

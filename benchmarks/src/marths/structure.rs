@@ -1,4 +1,4 @@
-//! The reference structure, what of it is declared physical, and the numerical rest.
+//! The reference structure, its declared physical part, and the numerical rest.
 
 use super::{GROUND_SCALE, PERIOD_S};
 use crate::Refused;
@@ -23,40 +23,40 @@ const INTERFACE: [usize; 3] = [X, FREE_ROTATION, ROTATION];
 pub type Whole = SMatrix<f64, DOF, DOF>;
 type Vector = SVector<f64, DOF>;
 
-/// Mass, damping and stiffness, SI.
+/// Mass, damping and stiffness in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameMatrices {
     /// kg, kg m^2.
     pub mass: Whole,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Whole,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Whole,
 }
 
-/// What a motion is multiplied by for a force.
+/// The matrix that turns a kind of motion into a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixKind {
-    /// Acceleration.
+    /// For acceleration.
     Mass,
-    /// Velocity.
+    /// For velocity.
     Damping,
-    /// Displacement.
+    /// For displacement.
     Stiffness,
 }
 
-/// Mass, damping and stiffness that stand in the laboratory, for x, the free rotation and the controlled one.
+/// Mass, damping and stiffness in the laboratory, for x, the free rotation and the controlled one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicalMatrices {
     /// kg, kg m^2.
     pub mass: Matrix3<f64>,
-    /// N s/m and so on.
+    /// N s/m, and the matching units for rotation.
     pub damping: Matrix3<f64>,
-    /// N/m and so on.
+    /// N/m, and the matching units for rotation.
     pub stiffness: Matrix3<f64>,
 }
 
-/// Rayleigh damping with ratio `ratio` at two angular frequencies: factors of mass and stiffness.
+/// Factors of mass and stiffness for Rayleigh damping with the given ratio at two angular frequencies.
 fn rayleigh(ratio: f64, at_rad_per_s: [f64; 2]) -> [f64; 2] {
     let [a, b] = at_rad_per_s;
     [2.0 * ratio * a * b / (a + b), 2.0 * ratio / (a + b)]
@@ -66,7 +66,7 @@ impl FrameMatrices {
     /// The reference, from the problem's two CSV tables of 29 by 29 numbers.
     ///
     /// # Errors
-    /// A table of another size, or something in it that is no finite number.
+    /// A table of another size, or a cell that is not a finite number.
     pub fn parse(stiffness_csv: &str, mass_csv: &str) -> Result<Self, Refused> {
         let (stiffness, mass) = (table("stiffness", stiffness_csv)?, table("mass", mass_csv)?);
         let [m, k] = rayleigh(0.05, [13.493, 165.125]);
@@ -77,7 +77,7 @@ impl FrameMatrices {
         })
     }
 
-    /// What is left for the computer when `part` stands in the laboratory.
+    /// The numerical part that is left when `part` is in the laboratory.
     #[must_use]
     pub fn less(&self, part: &PhysicalMatrices) -> Self {
         let mut rest = self.clone();
@@ -85,8 +85,8 @@ impl FrameMatrices {
         rest
     }
 
-    /// `part` without the masses that the structure itself does not have: less than no mass cannot be integrated with a
-    /// force that comes a sample late.
+    /// `part` without masses at degrees of freedom where the structure has none: a negative mass cannot be integrated with
+    /// a force that comes a sample late.
     #[must_use]
     pub fn held_by(&self, part: &PhysicalMatrices) -> PhysicalMatrices {
         let heavy = |i: usize| self.mass[(INTERFACE[i], INTERFACE[i])] > 0.0;
@@ -98,7 +98,7 @@ impl FrameMatrices {
         held
     }
 
-    /// The other way round.
+    /// The structure with `part` added.
     #[must_use]
     pub fn plus(&self, part: &PhysicalMatrices) -> Self {
         let mut whole = self.clone();
@@ -116,8 +116,8 @@ impl FrameMatrices {
         }
     }
 
-    /// The `count` modes that show most in degree of freedom `at` when the ground shakes, by static condensation of what
-    /// has no mass.
+    /// The `count` modes that are most visible in degree of freedom `at` when the ground shakes, by static condensation of
+    /// the degrees of freedom without mass.
     pub fn modes(&self, at: usize, count: usize) -> Vec<VibrationMode> {
         let heavy: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] > 0.0).collect();
         let light: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] <= 0.0).collect();
@@ -169,8 +169,8 @@ impl FrameMatrices {
 }
 
 impl PhysicalMatrices {
-    /// What the problem declares to stand in the laboratory: one bay with pinned feet, without vertical motion. Its density
-    /// is a hundred times that of steel, as published; rotations keep their stiffness and damping and lose their mass.
+    /// The part that the problem declares to be in the laboratory: one bay with pinned feet, without vertical motion. Its
+    /// density is a hundred times that of steel, as published. Rotations keep their stiffness and damping but lose their mass.
     pub fn declared() -> Self {
         let inch4 = 0.0254_f64.powi(4);
         let inch2 = 0.0254_f64.powi(2);
@@ -206,7 +206,7 @@ impl PhysicalMatrices {
         }
     }
 
-    /// The matrix of each kind, mass, damping and stiffness, as `entry` gives it.
+    /// The three matrices from a function for their entries.
     pub fn from_fn(entry: impl Fn(MatrixKind, usize, usize) -> f64) -> Self {
         let matrix = |kind| Matrix3::from_fn(|i, j| entry(kind, i, j));
         Self {
@@ -216,7 +216,7 @@ impl PhysicalMatrices {
         }
     }
 
-    /// One of the three.
+    /// One of the three matrices.
     pub fn matrix(&self, kind: MatrixKind) -> &Matrix3<f64> {
         match kind {
             MatrixKind::Mass => &self.mass,
@@ -227,7 +227,7 @@ impl PhysicalMatrices {
 
     /// A part without the free rotation, from matrices for x and the controlled rotation in the structure's sign.
     pub fn of_two([mass, damping, stiffness]: &[Matrix2<f64>; 3]) -> Self {
-        // Place of x and of the controlled rotation.
+        // Index of x and of the controlled rotation in the small matrices.
         let two = |i: usize| [Some(0), None, Some(1)][i];
         Self::from_fn(|kind, i, j| {
             let matrix = match kind {
@@ -283,11 +283,11 @@ fn table(name: &str, csv: &str) -> Result<Whole, Refused> {
     Ok(all)
 }
 
-/// Integration by constant average acceleration, as published.
+/// Integration by constant average acceleration, as in the publication.
 #[derive(Clone, Debug)]
 pub struct Newmark {
     mass: Whole,
-    /// As the published masses are: a vector does for the matrix.
+    /// Whether the mass is diagonal, as the published one is; then its diagonal is enough.
     lumped: bool,
     damping: Whole,
     flexible: Whole,
@@ -298,7 +298,7 @@ pub struct Newmark {
 }
 
 impl Newmark {
-    /// At rest.
+    /// An integration from rest.
     ///
     /// # Errors
     /// A dynamic stiffness that cannot be inverted.
@@ -321,13 +321,13 @@ impl Newmark {
         })
     }
 
-    /// Shakes the mass of `matrices` in place of its own.
+    /// Lets the ground shake the mass of `matrices` instead of its own.
     pub fn shake(&mut self, matrices: &FrameMatrices) {
         self.load = matrices.mass * shaken();
     }
 
-    /// One sample: the ground's acceleration (m/s^2, unscaled) and what the specimen resists with: force on x (N) and moment
-    /// on the controlled rotation (N m).
+    /// Advances by one sample. `ground_m_per_s2` is the ground's acceleration, used without a scale; `resisting` is the
+    /// specimen's force on x (N) and moment on the controlled rotation (N m).
     pub fn step(&mut self, ground_m_per_s2: f64, resisting: [f64; 2]) {
         let (a, b) = (4.0 / (PERIOD_S * PERIOD_S), 2.0 / PERIOD_S);
         let (u, v, w) = (&self.displacement, &self.velocity, &self.acceleration);
@@ -353,7 +353,7 @@ impl Newmark {
     }
 }
 
-/// A ground motion at the samples of the problem, scaled as the problem has it, m/s^2.
+/// A ground motion at the samples of the problem, with the problem's scale, m/s^2.
 pub fn sampled(points_m_per_s2: &[f64], interval_s: f64) -> Vec<f64> {
     let end_s = points_m_per_s2.len().saturating_sub(1) as f64 * interval_s;
     let samples = (end_s / PERIOD_S).floor() as usize + 1;

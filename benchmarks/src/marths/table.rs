@@ -1,9 +1,9 @@
-//! The rows as cells of a table, for terminal and page.
+//! The rows as cells of a table, for the terminal and for pages.
 
 use super::bench::MarthsRow;
 use super::criteria::Both;
 
-/// What the columns are called.
+/// The names of the columns.
 pub const HEAD: [&str; 9] = [
     "controller",
     "J2",
@@ -16,18 +16,18 @@ pub const HEAD: [&str; 9] = [
     "lost",
 ];
 
-/// What they mean.
+/// Their meaning.
 pub const LEGEND: &str = "Standard deviations in per cent, of the nominal plant and the worst of the drawn ones. J2: \
      tracking error of actuator 1 / 2, as read; J2*: of the true strokes. J5: x / rotation, as the controller's block has \
      them, against the target; J7: against the reference structure.";
 
-/// The rows of one ground motion after the other, each with its name.
+/// The rows of one ground motion after another, with the motion's name.
 pub fn by_record(rows: &[MarthsRow]) -> impl Iterator<Item = (&str, &[MarthsRow])> {
     let groups = rows.chunk_by(|a, b| a.record == b.record);
     groups.map(|group| (group[0].record.as_str(), group))
 }
 
-/// Two figures in a cell.
+/// A cell with two figures.
 pub fn both([a, b]: Both) -> String {
     let one = |x: f64| match x {
         x if x >= 1000.0 => "lost".into(),
@@ -37,7 +37,7 @@ pub fn both([a, b]: Both) -> String {
     format!("{} / {}", one(a), one(b))
 }
 
-/// What stands beside the rows of a record: what no controller can be better than.
+/// The note for the rows of a record: what no controller can beat.
 pub fn floors(row: &MarthsRow) -> String {
     format!(
         "{}: the noise of the readings is a J2 of {} and, where a controller has nothing but them, a J5 of {}; raw readings \

@@ -1,9 +1,9 @@
-//! The closed loop under a ground motion, and what it leaves.
+//! The closed loop under a ground motion, and its trace.
 //!
-//! The order of a sample: the strokes are read; the controller says where the actuators are; the frame answers to that; the
-//! numerical part takes the force and the ground's acceleration of the same sample and gives the target; the controller
-//! commands, and the command is held until the next sample. The plant answers no command in its own sample, so nothing
-//! has to be solved for.
+//! The order within a sample: the strokes are read; the controller estimates where the actuators are; the frame responds to
+//! that; the numerical part takes the force and the ground's acceleration of the same sample and gives the target; the
+//! controller commands, and the command is held until the next sample. The plant never responds to a command within the same
+//! sample, so no equations have to be solved.
 
 use super::contestants::{Calibration, PairContestant};
 use super::controller::TargetSample;
@@ -15,22 +15,22 @@ use super::structure::{
 use super::{RATE_HZ, SIGN};
 use crate::Refused;
 
-/// What a trial leaves, a value a sample. Rotations in the rig's sign.
+/// The trace of a trial, one value for each sample. Rotations are in the rig's sign unless stated otherwise.
 #[derive(Clone, Debug, Default)]
 pub struct MarthsTrace {
     /// Targets as strokes, m.
     pub target_m: Vec<[f64; 2]>,
-    /// Strokes as they were read, m.
+    /// Strokes as read, m.
     pub read_m: Vec<[f64; 2]>,
-    /// Strokes as they were, m.
+    /// True strokes, m.
     pub stroke_m: Vec<[f64; 2]>,
     /// x (m) and rotation (rad) of the numerical part.
     pub numerical: Vec<[f64; 2]>,
-    /// x and rotation as the controller's block has them.
+    /// x (m) and rotation (rad) as the controller's block estimates them.
     pub interface: Vec<[f64; 2]>,
     /// Force (N) and moment (N m) of the frame, in the rig's sign.
     pub force: Vec<[f64; 2]>,
-    /// The rotation of the numerical part beside the interface that nothing controls, rad, in the structure's sign.
+    /// The numerical part's rotation that nothing controls, rad, in the structure's sign.
     pub free_rotation: Vec<f64>,
     /// x of the second and third storey, m.
     pub storeys_m: Vec<[f64; 2]>,
@@ -38,19 +38,19 @@ pub struct MarthsTrace {
     pub limited: f64,
 }
 
-/// Where the interface is when the strokes are such, m and rad.
+/// Position of the interface for given strokes, m and rad.
 pub(super) fn interface(stroke_m: [f64; 2]) -> [f64; 2] {
     COUPLER
         .interface(&stroke_m.map(|x| x as f32))
         .map(f64::from)
 }
 
-/// Strokes for an interface.
+/// Strokes for a position of the interface.
 fn strokes_m([x, rotation]: [f64; 2]) -> [f64; 2] {
     COUPLER.strokes_m(x as f32, rotation as f32).map(f64::from)
 }
 
-/// A structure under the ground motion without a rig: everything is computed.
+/// A structure under the ground motion without a rig, completely computed.
 ///
 /// # Errors
 /// A structure that cannot be integrated.
@@ -64,7 +64,7 @@ pub fn computed(matrices: &FrameMatrices, ground: &[f64]) -> Result<MarthsTrace,
     Ok(trace)
 }
 
-/// The same of a numerical part with a frame that follows it without any error, now.
+/// The same for a numerical part whose laboratory frame follows it without error or delay.
 ///
 /// # Errors
 /// A structure that cannot be integrated.
@@ -80,7 +80,7 @@ pub fn without_error(numerical: &FrameMatrices, ground: &[f64]) -> Result<Marths
     Ok(trace)
 }
 
-/// A contestant's trial on a plant; `noise` multiplies the published noise, `seed` draws it.
+/// A contestant's trial on a plant; `noise` multiplies the published noise, which is drawn with `seed`.
 ///
 /// # Errors
 /// A numerical part that cannot be integrated.
@@ -129,11 +129,11 @@ pub fn run(
     Ok(trace)
 }
 
-/// A target beyond it, m or rad, is a loop that ran away.
+/// A target beyond this, m or rad, means that the loop ran away.
 const LOST: f64 = 1.0;
 
 impl MarthsTrace {
-    /// Takes the state of the numerical part, and gives it as a target.
+    /// Records the state of the numerical part and returns it as a target.
     fn record_target(&mut self, newmark: &Newmark) -> TargetSample {
         let interface = [newmark.at(X), SIGN * newmark.at(ROTATION)];
         let stroke_m = strokes_m(interface);
@@ -148,13 +148,13 @@ impl MarthsTrace {
         }
     }
 
-    /// True if it reached the end of the record.
+    /// True if it reached the end of the record with finite values.
     pub fn is_whole(&self, ground: &[f64]) -> bool {
         self.numerical.len() == ground.len()
             && self.numerical.iter().flatten().all(|x| x.is_finite())
     }
 
-    /// How long it is, s.
+    /// Its length, s.
     pub fn duration_s(&self) -> f64 {
         self.numerical.len() as f64 / RATE_HZ
     }

@@ -16,10 +16,10 @@ use serde::ser::{SerializeMap, Serializer};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// J4 from which on a trial counts as lost, per cent.
+/// J4 from which a trial counts as lost, per cent.
 pub const LOST_PERCENT: f64 = 100.0;
 
-/// Is told of trials that are done, and says whether to go on.
+/// Is told how many trials are done, and says whether to go on.
 type Tell<'a> = dyn Fn(usize) -> ControlFlow<()> + Sync + 'a;
 
 /// Trials that run side by side.
@@ -70,7 +70,7 @@ pub struct RthsRow {
     pub lost: usize,
 }
 
-/// The schema of what [`criteria`] writes.
+/// Schema of the output of [`criteria`].
 pub fn criteria_schema(_: &mut SchemaGenerator) -> Schema {
     numbers((1..=9).map(|i| format!("J{i}")))
 }
@@ -86,7 +86,7 @@ fn numbers(names: impl Iterator<Item = String> + Clone) -> Schema {
     json_schema!({ "type": "object", "properties": properties, "required": required })
 }
 
-/// `J1` to `J9`, each a key of its own.
+/// Serializes `J1` to `J9`, each as its own key.
 ///
 /// # Errors
 /// Those of the serializer.
@@ -106,7 +106,7 @@ fn floors<S: Serializer>(floor: &[f64; 9], serializer: S) -> Result<S::Ok, S::Er
     map.end()
 }
 
-/// What is tried, and by which rules.
+/// What to run, and by which rules.
 pub struct Benchmark<'a> {
     /// The rules.
     pub rules: &'a Rules,
@@ -114,23 +114,23 @@ pub struct Benchmark<'a> {
     pub records: &'a [GroundRecord],
     /// The controllers under test.
     pub contestants: &'a [Contestant],
-    /// Perturbed plants for each case.
+    /// Number of perturbed plants for each case.
     pub plants: usize,
     /// Seed of plants and noise.
     pub seed: u64,
 }
 
-/// One case under one record with some plants of it.
+/// One case under one record with some of its plants.
 struct Task<'a> {
     record: &'a GroundRecord,
     place: usize,
-    /// The first plant's index.
+    /// Index of the first plant.
     first: usize,
 }
 
 impl Benchmark<'_> {
-    /// All rows: by record, then by case, then by controller. `tell` is called with the number of trials that are done, and
-    /// says whether to go on; where it does not, the cases that are not whole are left out.
+    /// All rows, by record, then by case, then by controller. `tell` is called with the number of trials that are done and
+    /// says whether to go on; if not, incomplete cases are left out.
     ///
     /// # Errors
     /// What core refuses of a controller.
@@ -141,7 +141,7 @@ impl Benchmark<'_> {
         self.rows_told(&tell)
     }
 
-    /// As [`rows`](Self::rows), compiled here: what calls it may be built with less optimisation.
+    /// The same as [`rows`](Self::rows), but compiled in this crate: its caller may be built with less optimisation.
     fn rows_told(&self, tell: &Tell<'_>) -> Result<Vec<RthsRow>, Refused> {
         let samples = self
             .records
@@ -166,7 +166,7 @@ impl Benchmark<'_> {
                 })
             })
             .collect();
-        // Each thread takes the next task, not a part of the list: what is ended early has whole cases soon.
+        // Each thread takes the next task instead of a part of the list, so that a run that is stopped early has complete cases.
         let next = AtomicUsize::new(0);
         let mut found: Vec<(usize, Option<Vec<Vec<TrialVerdict>>>)> = (0..tasks.len())
             .into_par_iter()
@@ -217,7 +217,7 @@ impl Benchmark<'_> {
         }
     }
 
-    /// The verdicts on every contestant, by lane.
+    /// The verdicts for every contestant, by lane.
     fn verdicts(
         &self,
         task: &Task<'_>,

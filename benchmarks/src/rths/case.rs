@@ -1,4 +1,4 @@
-//! The four structures. One frame of the first storey is the specimen; the rest is computed.
+//! The four structures. One frame of the first storey is the specimen, and the rest is computed.
 
 use super::parameters::Specimen;
 use super::size::{FLOORS, RATE_HZ};
@@ -55,7 +55,7 @@ impl Case {
     /// The whole structure, the specimen included.
     pub fn reference(&self) -> Matrices {
         let stiffness = STIFFNESS_1E7 * 1e7;
-        // All masses are alike: the modes are those of K, and C = m Phi diag(2 zeta omega) Phi^T with unit Phi.
+        // All masses are equal: the modes are those of K, and C = m Phi diag(2 zeta omega) Phi^T with orthonormal Phi.
         let modes = SymmetricEigen::new(stiffness / self.mass_kg);
         let twice = modes
             .eigenvalues
@@ -68,7 +68,7 @@ impl Case {
         }
     }
 
-    /// What is left for the computer: the reference less `specimen` at the first floor.
+    /// The numerical part: the reference minus `specimen` at the first floor.
     pub fn numerical(&self, specimen: &Specimen) -> Matrices {
         let mut rest = self.reference();
         rest.mass[(0, 0)] -= specimen.mass_kg;
@@ -78,7 +78,7 @@ impl Case {
     }
 }
 
-/// `L` structures under ground acceleration (`-M_total 1 a_g`) and a restoring force at the first floor, sampled exactly.
+/// `L` structures under ground acceleration (`-M_total 1 a_g`) and a restoring force at the first floor, discretized exactly.
 #[derive(Clone, Debug)]
 pub struct Structure<const L: usize> {
     /// Inputs: ground acceleration, its rise over the period, force at the first floor.
@@ -86,7 +86,7 @@ pub struct Structure<const L: usize> {
 }
 
 impl<const L: usize> Structure<L> {
-    /// At rest. Each of `parts` moves; the ground shakes the whole mass of its case.
+    /// Structures at rest: the matrices of each of `parts`, with the ground shaking the whole mass of its case.
     ///
     /// Returns `None` for a mass matrix that is not positive definite.
     pub fn new(parts: &[(Case, Matrices); L]) -> Option<Self> {
@@ -106,7 +106,7 @@ impl<const L: usize> Structure<L> {
         [a, b, c]
     }
 
-    /// One sampling period: the ground's acceleration runs along a line, the forces (N) are held.
+    /// Advances by one sampling period. The ground's acceleration is linear over it, and the forces (N) are held.
     #[inline(always)]
     pub fn step(&mut self, ground_m_per_s2: [f64; 2], force_n: [f64; L]) {
         let [now, next] = ground_m_per_s2;
@@ -114,7 +114,7 @@ impl<const L: usize> Structure<L> {
     }
 }
 
-/// Transition and inputs over a period.
+/// Transition and input matrices over a period.
 fn sampled(case: &Case, matrices: &Matrices) -> Option<(SMatrix<f64, 6, 6>, SMatrix<f64, 6, 3>)> {
     let flexible = Cholesky::new(matrices.mass)?;
     let mut a = SMatrix::<f64, 6, 6>::zeros();

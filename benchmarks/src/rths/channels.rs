@@ -1,7 +1,7 @@
 //! The converters of the problem, with a code of 7.6 V / 2^18, and the noise of its sensors.
 //!
-//! The command is limited to +-3.8 V. The readings are not: at 1096 N/V that range would end at 4165 N, of a rig for
-//! 8900 N, and with a clipped force the published figures are not met (case 3: J4 = 69 instead of 50 %).
+//! The command is limited to +-3.8 V. The readings are not: at 1096 N/V that range would end at 4165 N although the rig can
+//! do 8900 N, and with a clipped force we do not get the published figures (case 3: J4 = 69 instead of 50 %).
 
 use plant::random::{Normal, Purpose};
 
@@ -16,7 +16,7 @@ pub const DISPLACEMENT_NOISE_M: f64 = NOISE_V * M_PER_V;
 /// Noise of the force reading, N rms.
 pub const FORCE_NOISE_N: f64 = NOISE_V * N_PER_V;
 
-/// What the sensors' noise is at each sample, V: drawn once, the same for every controller.
+/// The sensors' noise at each sample, V: drawn once, and the same for every controller.
 #[derive(Clone, Debug, Default)]
 pub struct Noise {
     displacement_v: Vec<f32>,
@@ -24,7 +24,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Of `samples` samples; the same seed repeats the same noise.
+    /// Noise for `samples` samples; the same seed gives the same noise.
     pub fn new(seed: u64, samples: usize) -> Self {
         let draw = |purpose| {
             let mut normal = Normal::new(seed, purpose, 0);
@@ -38,7 +38,7 @@ impl Noise {
         }
     }
 
-    /// At a sample: of the displacement, m, and of the force, N.
+    /// The noise at a sample: of the displacement, m, and of the force, N.
     #[inline]
     pub fn at(&self, sample: usize) -> [f64; 2] {
         let value = |v: &[f32]| v.get(sample).copied().map_or(0.0, f64::from);
@@ -49,14 +49,14 @@ impl Noise {
     }
 }
 
-/// To the nearest whole number, by the rounding of the addition: what is below 2^51 loses all behind the point.
+/// Rounds to the nearest integer, using the rounding of the addition: below 2^51 the sum keeps no fraction.
 #[inline(always)]
 fn rounded(x: f64) -> f64 {
     const SHIFT: f64 = 6_755_399_441_055_744.0;
     (x + SHIFT) - SHIFT
 }
 
-/// What is read of a displacement, m, and a force, N, with this noise in them.
+/// The readings of a displacement, m, and a force, N, with this noise.
 #[inline(always)]
 pub fn read(displacement_m: f64, force_n: f64, noise: [f64; 2]) -> (f64, f64) {
     let reading = |value: f64, code: f64| rounded(value * (1.0 / code)) * code;
@@ -66,7 +66,7 @@ pub fn read(displacement_m: f64, force_n: f64, noise: [f64; 2]) -> (f64, f64) {
     )
 }
 
-/// What is sent of a command, m; NaN stays NaN.
+/// A command as it is sent, m; NaN stays NaN.
 #[inline(always)]
 pub fn send(command_m: f64) -> f64 {
     const LOW: f64 = -RANGE_V;

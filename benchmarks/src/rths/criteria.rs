@@ -1,9 +1,9 @@
-//! J1 to J9, in the order of Table 3: sums that are kept while a trial runs.
+//! J1 to J9 in the order of Table 3, from sums that are kept while a trial runs.
 
 use super::size::{FLOORS, RATE_HZ};
 use std::array::from_fn;
 
-/// What the criteria mean, for those who read them.
+/// The meaning of the criteria, for readers of the table.
 pub const MEANING: [&str; 9] = [
     "J1: delay of the displacement behind the target, ms",
     "J2: tracking error, standard deviation over that of the target, %",
@@ -41,7 +41,7 @@ impl<const L: usize> Spread<L> {
     fn size(&self, l: usize, n: f64, about_mean: bool) -> f64 {
         let mean = if about_mean { self.sum[l] / n } else { 0.0 };
         let variance = self.square[l] / n - mean * mean;
-        // A NaN stays one.
+        // A NaN stays a NaN.
         if variance < 0.0 { 0.0 } else { variance.sqrt() }
     }
 }
@@ -56,12 +56,12 @@ fn peak<const L: usize>(largest: &mut [f64; L], x: &[f64; L]) {
     }
 }
 
-/// Work of `L` forces on their ways, by the trapezoidal rule.
+/// Work of `L` forces along their displacements, by the trapezoidal rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<const L: usize> {
     last_m: [f64; L],
     last_n: [f64; L],
-    /// Done so far, J.
+    /// Work done so far, J.
     pub done_j: [f64; L],
 }
 
@@ -76,7 +76,7 @@ impl<const L: usize> Default for Work<L> {
 }
 
 impl<const L: usize> Work<L> {
-    /// Goes on to a displacement, m, under a force, N.
+    /// Adds the work up to a displacement, m, with the force there, N.
     #[inline(always)]
     pub fn add(&mut self, displacement_m: &[f64; L], force_n: &[f64; L]) {
         for l in 0..L {
@@ -88,18 +88,18 @@ impl<const L: usize> Work<L> {
     }
 }
 
-/// What a lane did in a sample.
+/// One sample of all lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a, const L: usize> {
     /// Floors of the numerical part, m; the first is the target.
     pub floors_m: &'a [[f64; L]; FLOORS],
-    /// Displacement that is judged: as it was read, m.
+    /// Displacement that is judged, m: as read, or as the controller estimates it if the rules deviate so.
     pub read_m: &'a [f64; L],
-    /// Displacement as it was, m.
+    /// True displacement, m.
     pub true_m: &'a [f64; L],
-    /// Velocity as it was, m/s.
+    /// True velocity, m/s.
     pub speed_m_per_s: &'a [f64; L],
-    /// Force as it was, N.
+    /// True force, N.
     pub force_n: &'a [f64; L],
 }
 
@@ -108,12 +108,12 @@ pub struct Moment<'a, const L: usize> {
 pub struct Judge<const L: usize> {
     samples: f64,
     target: Spread<L>,
-    /// Tracking as read and as it was; floor 1 as read and as it was; floors 2 and 3.
+    /// Tracking error as read and true; error of floor 1 as read and true; errors of floors 2 and 3.
     errors: [Spread<L>; 6],
     target_peak: [f64; L],
-    /// Tracking, floor 1, floors 2 and 3.
+    /// Largest tracking error and largest errors of floors 1, 2 and 3.
     peaks: [[f64; L]; 4],
-    /// Displacement, velocity, force.
+    /// Largest displacement, velocity and force.
     demand: [[f64; L]; 3],
     work: Work<L>,
 }
@@ -133,7 +133,7 @@ impl<const L: usize> Default for Judge<L> {
 }
 
 impl<const L: usize> Judge<L> {
-    /// Takes a sample in; `reference_m` are the floors of the reference.
+    /// Adds a sample; `reference_m` are the floors of the reference.
     #[inline(always)]
     pub fn add_sample(&mut self, now: &Moment<'_, L>, reference_m: &[f64; FLOORS]) {
         let target = &now.floors_m[0];
@@ -166,7 +166,7 @@ impl<const L: usize> Judge<L> {
         }
     }
 
-    /// The verdict on lane `l` but for J1.
+    /// The verdict on lane `l`, without J1.
     pub fn verdict(&self, l: usize, reference: &Scale, about_mean: bool) -> TrialVerdict {
         let n = self.samples.max(1.0);
         let target = self.target.size(l, n, about_mean);
@@ -187,13 +187,13 @@ impl<const L: usize> Judge<L> {
             j2_true: percent(size(1), target),
             j4_true: percent(size(3), reference.size(0, about_mean)),
             work_j: self.work.done_j[l],
-            // A NaN is beyond every limit.
+            // Peaks ignore NaN, so a loop that gave NaN can still be within the limits; it shows in J2 and J4.
             within_limits: x <= 7e-3 && v <= 0.3 && f <= 8900.0,
         }
     }
 }
 
-/// JSON has no infinity: NaN, or what is beyond it, is as much as is shown.
+/// An error in per cent, at most `MOST`. NaN and infinity become `MOST`, because JSON has neither.
 pub fn percent(error: f64, scale: f64) -> f64 {
     const MOST: f64 = 1e6;
     let percent = 100.0 * error / scale;
@@ -204,22 +204,22 @@ pub fn percent(error: f64, scale: f64) -> f64 {
     }
 }
 
-/// What a trial came to in one lane.
+/// The result of a trial in one lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrialVerdict {
-    /// J1 in ms, J2 to J9 in per cent, by the reading.
+    /// J1 in ms, J2 to J9 in per cent, from the reading.
     pub j: [f64; 9],
-    /// J2 of the displacement as it was.
+    /// J2 of the true displacement.
     pub j2_true: f64,
-    /// J4 of the displacement as it was.
+    /// J4 of the true displacement.
     pub j4_true: f64,
-    /// What the force on the load cell has done in the end, J.
+    /// Total work of the force on the load cell, J.
     pub work_j: f64,
-    /// 7 mm, 300 mm/s and 8900 N were not exceeded.
+    /// Whether 7 mm, 300 mm/s and 8900 N were not exceeded.
     pub within_limits: bool,
 }
 
-/// How large the floors of a response are.
+/// Sizes of the floors' displacements in a response.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     deviation_m: [f64; FLOORS],
@@ -229,7 +229,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Of a response.
+    /// The sizes of a response.
     pub fn of(floors_m: &[[f64; FLOORS]]) -> Self {
         let mut spread = Spread::<FLOORS>::NONE;
         let mut peak_m = [0.0; FLOORS];
@@ -245,7 +245,7 @@ impl Scale {
         }
     }
 
-    /// Of floor `i`, m.
+    /// Standard deviation, or root mean square, of floor `i`, m.
     pub fn size(&self, i: usize, about_mean: bool) -> f64 {
         if about_mean {
             self.deviation_m[i]
@@ -255,26 +255,26 @@ impl Scale {
     }
 }
 
-/// J1: by how much `late` follows `early`, ms: arg max of their cross-correlation.
+/// J1: the delay of `late` after `early`, ms, from the arg max of their cross-correlation.
 pub fn delay_ms(early: &[f64], late: &[f64]) -> f64 {
     f64::from(lag_samples(early, late)) / RATE_HZ * 1e3
 }
 
-/// The longest delay that is looked for, samples: a quarter of a second.
+/// The longest delay that is searched, samples: a quarter of a second.
 const LONGEST: usize = 1024;
 
-/// How far apart the delays are that are tried first, samples; every [`STRIDE`]-th sample counts then.
+/// Distance of the delays that are tried first, samples; for these only every [`STRIDE`]-th sample is used.
 const COARSE: usize = 16;
 const STRIDE: usize = 8;
 
-/// Rest around a response, samples: as much as any delay reaches beyond its ends.
+/// Zeros added before and after a response, samples: as far as any delay reaches beyond its ends.
 const MARGIN: usize = LONGEST + 9 * COARSE;
 
-/// The correlation of a narrow-band response is smooth: the best of every 16th delay, by every eighth sample, then of
-/// those around it.
+/// The correlation of a narrow-band response is smooth, so this takes the best of every 16th delay, using every eighth sample,
+/// and then the best of the delays around it.
 fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
     let n = early.len().min(late.len());
-    // Rest on both sides: it adds nothing to a correlation.
+    // Zeros on both sides add nothing to a correlation.
     let mut padded = vec![0.0; n + 2 * MARGIN];
     padded[MARGIN..MARGIN + n].copy_from_slice(&late[..n]);
     let best = |correlations: Vec<f64>| {
@@ -298,8 +298,8 @@ fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
     (first + fine) as i32 - MARGIN as i32
 }
 
-/// Sums of `early[i] late[i + lag]` over every `STRIDE`-th sample, of `count` lags from 0, `EVERY` apart. Several are
-/// added up side by side; each has the bits that it has alone.
+/// Sums of `early[i] late[i + lag]` over every `STRIDE`-th sample, for `count` lags from 0 that are `EVERY` apart. Several sums
+/// run side by side, with the same bits as alone.
 fn correlations<const EVERY: usize, const STRIDE: usize>(
     early: &[f64],
     late: &[f64],
@@ -328,7 +328,7 @@ mod tests {
 
     #[test]
     fn a_late_and_small_copy_is_judged_as_such() {
-        // Rest at both ends, as in a test: a record that is cut off would pull the arg max towards 0.
+        // At rest at both ends, as in a test: a truncated record would pull the arg max towards 0.
         let wave = |i: i32| {
             let t = f64::from(i);
             (t * std::f64::consts::PI / 8000.0).sin().powi(2) * (t * 0.01).sin()
@@ -347,7 +347,7 @@ mod tests {
         for i in 0..1000 {
             let x = (0.1 * f64::from(i)).sin();
             floors.push([x, 2.0 * x, 3.0 * x]);
-            // Lane 0 is 3 % short, lane 1 is 0.5 beside it.
+            // Lane 0 is 3 % too small, lane 1 has an offset of 0.5.
             let read = [0.97 * x, x + 0.5];
             judge.add_sample(
                 &Moment {

@@ -1,9 +1,9 @@
-//! A controller from outside as a table: its commands for a given table of targets.
+//! An outside controller as a table: its commands for a given table of targets.
 //!
-//! The targets are the first floor of the reference structure: where a perfect test would have the specimen. The
-//! commands are played to the nominal plant. The force goes into the numerical part as ever, but the target stays that
-//! of the table, so the loop is not closed: the row says how well the commands follow, and what the structure would have
-//! made of it, not whether the closed loop is stable.
+//! The targets are the first floor of the reference structure, where a perfect test would have the specimen. The commands are
+//! played on the nominal plant. The force goes into the numerical part as usual, but the target stays that of the table, so
+//! the loop is not closed: the row says how well the commands follow and how the structure would have responded, but not
+//! whether the closed loop is stable.
 
 use super::FLOORS;
 use super::case::{CASES, Structure};
@@ -15,16 +15,16 @@ use super::rules::{Deviation, Rules};
 use super::trial::{Answers, Hybrid, Readings, RthsTrace, run};
 use crate::Refused;
 
-/// The targets of the case at `place` of [`CASES`] under `record`, m, one a sample at 4096 Hz.
+/// The targets of the case at `place` of [`CASES`] under `record`, m, one for each sample at 4096 Hz.
 pub fn targets_m(record: &GroundRecord, place: usize) -> Vec<f64> {
     let floors = record.ground(place).reference_m;
     floors.iter().map(|floors| floors[0]).collect()
 }
 
-/// Judges `commands_m`, one a sample, each held until the next.
+/// Judges `commands_m`, one for each sample and held until the next.
 ///
 /// # Errors
-/// Another number of commands than samples.
+/// Numbers of commands and samples that differ.
 pub fn judge(
     record: &GroundRecord,
     place: usize,
@@ -97,7 +97,7 @@ mod tests {
         let record = GroundRecord::new("sine", &acc, 0.02, &rules, Behaviour::Linear);
         let targets = targets_m(&record, 0);
         assert!(judge(&record, 0, &targets[..1000], 1, &rules).is_err());
-        // A target sent as it is arrives some 25 ms late; one sent ahead by that does not.
+        // A target sent unchanged arrives about 25 ms late; one sent that much earlier does not.
         let late = judge(&record, 0, &targets, 1, &rules).unwrap();
         let ahead: Vec<f64> = (0..targets.len())
             .map(|k| targets.get(k + 100).copied().unwrap_or(0.0))

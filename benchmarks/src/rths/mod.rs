@@ -1,24 +1,24 @@
 //! The benchmark problem of real-time hybrid simulation, in f64.
 //!
 //! Silva, Gomez, Maghareh, Dyke and Spencer, "Benchmark control problem for real-time hybrid simulation", Mechanical
-//! Systems and Signal Processing 135 (2020) 106381. Three floors, of which one frame stands in the laboratory behind a
-//! servo-hydraulic actuator; a controller has to make it follow the first floor.
+//! Systems and Signal Processing 135 (2020) 106381. A structure of three floors, one frame of which is in the laboratory and is
+//! moved by a servo-hydraulic actuator. A controller has to make it follow the first floor.
 //!
 //! | look in | for |
 //! |---|---|
 //! | [`rules`] | the official rules, and ways to deviate from them |
-//! | [`case`] | the four structures, and what of them is numerical |
+//! | [`case`] | the four structures and their numerical parts |
 //! | [`parameters`], [`transfer`] | valve, actuator and specimen, nominal and drawn; their motion |
-//! | [`yielding`] | specimens that are not linear |
+//! | [`yielding`] | nonlinear specimens |
 //! | [`channels`] | converters and noise |
-//! | [`shaking`], [`record`] | ground motions and the answers of the whole structures |
+//! | [`shaking`], [`record`] | ground motions and the responses of the whole structures |
 //! | [`controller`] | the controllers under test: published ones, core's methods, yours |
 //! | [`trial`] | closed loops side by side |
 //! | [`criteria`] | J1 to J9 |
-//! | [`mod@bench`] | all of it, on all cores |
-//! | [`follow`] | a controller from outside as a table of commands |
-//! | [`table`], [`verdict`] | rows as cells; who is best, and ties |
-//! | [`published`] | figures that others have |
+//! | [`mod@bench`] | every controller in every case under every record, on all processor cores |
+//! | [`follow`] | an outside controller as a table of commands |
+//! | [`table`], [`verdict`] | rows as cells; the best controllers, and ties |
+//! | [`published`] | figures that others published |
 
 pub mod bench;
 pub mod case;

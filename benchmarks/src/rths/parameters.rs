@@ -1,12 +1,12 @@
 //! The parameters of valve (second order), actuator (first order) and specimen, as published and as drawn.
 //!
-//! With the natural velocity feedback and the unity feedback of the displacement inside, command to displacement is
-//! `G = B0 / (A5 s^5 + ... + A0)`.
+//! Including the natural velocity feedback and the unity feedback of the displacement, the transfer function from command to
+//! displacement is `G = B0 / (A5 s^5 + ... + A0)`.
 
 use nalgebra::Complex;
 use plant::random::{Normal, Purpose};
 
-/// What stands in the laboratory.
+/// The specimen in the laboratory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specimen {
     /// Mass, kg.
@@ -18,7 +18,7 @@ pub struct Specimen {
 }
 
 impl Specimen {
-    /// As published: 29.13 kg, 1.19e6 N/m, damping ratio .0097.
+    /// The published specimen: 29.13 kg, 1.19e6 N/m, damping ratio .0097.
     pub const NOMINAL: Self = Self {
         mass_kg: 29.13,
         // 2 * .0097 * sqrt(1.19e6 * 29.13)
@@ -27,10 +27,10 @@ impl Specimen {
     };
 }
 
-/// The transfer system: what turns a command into a displacement.
+/// The transfer system, which turns a command into a displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// Valve gain times its squared natural frequency, and the actuator's.
+    /// Valve gain times its squared natural frequency times the actuator's gain.
     pub a1_b0: f64,
     /// Natural velocity feedback.
     pub a2: f64,
@@ -40,15 +40,15 @@ pub struct Parameters {
     pub b1: f64,
     /// Squared natural frequency of the valve, rad^2/s^2.
     pub b2: f64,
-    /// What it moves.
+    /// The specimen that it moves.
     pub specimen: Specimen,
 }
 
-/// Displacement of the specimen per displacement of the command loop.
+/// Displacement of the specimen over displacement in the command loop.
 pub(super) const OUTPUT_GAIN: f64 = 1.0261;
 
 impl Parameters {
-    /// As published.
+    /// The published values.
     pub const NOMINAL: Self = Self {
         a1_b0: 2.1283e13,
         a2: 4.2297e6,
@@ -61,7 +61,7 @@ impl Parameters {
     /// Published standard deviations of the specimen's stiffness, a3, b1 and b2.
     pub const SPREAD: [f64; 4] = [5e4, 1.3, 3.3, 3.3e3];
 
-    /// The actuator that moves nothing.
+    /// The actuator without a specimen.
     pub fn without_specimen(&self) -> Self {
         Self {
             specimen: Specimen {
@@ -73,18 +73,17 @@ impl Parameters {
         }
     }
 
-    /// A plant of the published spread.
-    /// A pole that is not positive is drawn again: it is no actuator.
+    /// A plant drawn from the published spread. A pole that is not positive would not be an actuator and is drawn again.
     pub fn perturbed(seed: u64) -> Self {
         Self::drawn(seed, Normal::sample)
     }
 
-    /// As [`Self::perturbed`], but evenly drawn from three standard deviations to either side.
+    /// As [`Self::perturbed`], but drawn uniformly within three standard deviations to either side.
     pub fn perturbed_evenly(seed: u64) -> Self {
         Self::drawn(seed, |stream| stream.even(3.0))
     }
 
-    /// With `deviations` from the stream, in standard deviations.
+    /// A plant with deviations from `deviations`, in standard deviations.
     fn drawn(seed: u64, mut deviations: impl FnMut(&mut Normal) -> f64) -> Self {
         let mut stream = Normal::new(seed, Purpose::DrawnPlant, 0);
         let mut off = |spread: f64| spread * deviations(&mut stream);
@@ -135,8 +134,8 @@ impl Parameters {
         Complex::new(OUTPUT_GAIN * self.a1_b0, 0.0) / denominator
     }
 
-    /// The inverse of G as a power series of s: what the derivatives of a target are to be multiplied by so that the
-    /// displacement is the target; `s^0` first.
+    /// The inverse of G as a power series in s, from `s^0`: the factors for the derivatives of a target that make the
+    /// displacement equal to the target.
     pub fn inverse(&self) -> [f64; 6] {
         self.denominator().map(|a| a / (OUTPUT_GAIN * self.a1_b0))
     }
@@ -147,7 +146,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Frequency, Hz, gain and delay, ms, as an independent port of the problem has them.
+    /// Frequency (Hz), gain and delay (ms) in an independent port of the problem.
     const PUBLISHED: [(f64, f64, f64); 5] = [
         (1.0, 0.999, 25.0),
         (3.0, 0.941, 24.1),

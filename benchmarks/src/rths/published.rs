@@ -1,6 +1,6 @@
-//! Figures that others have: the problem's own table, and an independent port of the problem. El Centro.
+//! Published figures for El Centro: the problem's own table, and an independent port of the problem.
 
-/// Table 3 of the problem: J1 in ms, J2 to J9 in per cent, the published controller on the nominal plant, cases 1 to 4.
+/// Table 3 of the problem: J1 in ms and J2 to J9 in per cent of the published controller on the nominal plant, cases 1 to 4.
 pub const TABLE_3: [[f64; 9]; 4] = [
     [4.6, 10.4, 11.5, 36.1, 19.0, 32.3, 32.4, 14.8, 14.8],
     [4.6, 9.8, 11.1, 33.1, 17.1, 30.5, 30.5, 15.3, 15.2],
@@ -11,13 +11,13 @@ pub const TABLE_3: [[f64; 9]; 4] = [
 /// A controller in an independent port.
 #[derive(Clone, Copy, Debug)]
 pub struct PortFigures {
-    /// Its name here.
+    /// Its name in this crate.
     pub controller: &'static str,
     /// J2, J2*, J4, J4* and J7 of cases 1 to 4, per cent.
     pub nominal: [[f64; 4]; 5],
 }
 
-/// Those of the port whose nominal figures are given with a digit more than ours differ by.
+/// The controllers whose nominal figures the port gives to one digit more than our difference from them.
 pub const PORT: [PortFigures; 3] = [
     PortFigures {
         controller: "amb",
@@ -51,7 +51,7 @@ pub const PORT: [PortFigures; 3] = [
     },
 ];
 
-/// J4 of the worst of twenty drawn plants in that port, cases 1 to 4, per cent. How it draws them is not said.
+/// J4 of the worst of twenty drawn plants in that port, cases 1 to 4, per cent. The port does not say how it draws them.
 pub const WORST_DRAWN: [(&str, [f64; 4]); 4] = [
     ("pi-phase-lead", [46.0, 42.0, 64.0, 104.0]),
     ("fixed-inverse", [17.0, 16.0, 24.0, 30.0]),

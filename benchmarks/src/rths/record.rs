@@ -1,4 +1,4 @@
-//! A ground motion of the problem with all that every trial under it needs, worked out once.
+//! A ground motion of the problem with everything that the trials under it need, computed once.
 
 use super::channels::Noise;
 use super::criteria::{Scale, percent};
@@ -8,7 +8,7 @@ use super::size::FLOORS;
 use super::trial::Ground;
 use super::yielding::Behaviour;
 
-/// A ground motion with the answers of the whole structures.
+/// A ground motion with the responses of the whole structures.
 pub struct GroundRecord {
     /// Its name.
     pub name: String,
@@ -20,7 +20,7 @@ pub struct GroundRecord {
 }
 
 impl GroundRecord {
-    /// From points `interval_s` apart, m/s^2; scaled by the rules. `RTHSBENCH_` in front of a name is left out.
+    /// A record from points `interval_s` apart, m/s^2, scaled by the rules. A leading `RTHSBENCH_` of the name is removed.
     pub fn new(
         name: &str,
         acc_m_per_s2: &[f32],
@@ -50,7 +50,7 @@ impl GroundRecord {
         &self.shaking
     }
 
-    /// What a trial in the case at `place` of [`CASES`](super::case::CASES) is run on.
+    /// The input of a trial in the case at `place` of [`CASES`](super::case::CASES).
     pub fn ground(&self, place: usize) -> Ground<'_> {
         Ground {
             shaking: &self.shaking,
@@ -59,19 +59,19 @@ impl GroundRecord {
         }
     }
 
-    /// How large the reference is in the case at `place`.
+    /// The size of the reference response in the case at `place`.
     pub fn scale(&self, place: usize) -> &Scale {
         &self.scales[place]
     }
 
-    /// By how much the energy that the specimen took, `work_j`, differs from the reference's, per cent; `None` for a
-    /// linear specimen, which gives back all but a little.
+    /// The difference of the energy that the specimen absorbed, `work_j`, from the reference's, per cent; `None` for a
+    /// linear specimen, which returns almost all of it.
     pub fn energy_error(&self, place: usize, work_j: f64) -> Option<f64> {
         let exact_j = self.work_j[place];
         (self.behaviour != Behaviour::Linear).then(|| percent((work_j - exact_j).abs(), exact_j))
     }
 
-    /// J1 to J9 of the noise alone in every case: of a controller without any error and without any delay.
+    /// J1 to J9 of the noise alone in every case, for a controller without any error or delay.
     pub fn floors(&self, noise: &Noise, about_mean: bool) -> [[f64; 9]; 4] {
         let moved = Shaking::moved_by(noise, self.samples());
         std::array::from_fn(|place| {

@@ -2,34 +2,34 @@
 
 use crate::Refused;
 
-/// What a trial is run and judged by. The problem's own rules have no deviation.
+/// The rules by which a trial is run and judged. The problem's own rules have no deviation.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rules {
     deviations: Vec<Deviation>,
 }
 
-/// A way in which published codes, ours among them, deviate.
+/// A way in which published codes, including ours, deviate from the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Deviation {
-    /// The force of the same sample goes into the numerical part; officially it is that of the sample before.
+    /// The force of the same sample goes into the numerical part; officially it is the force of the previous sample.
     NoUnitDelay,
-    /// The numerical part is the reference less the nominal specimen; officially less the drawn one, so that the whole
+    /// The numerical part is the reference minus the nominal specimen; officially minus the drawn one, so that the whole
     /// stays the reference.
     NominalNumericalPart,
-    /// Root mean squares; officially standard deviations.
+    /// Criteria are root mean squares; officially standard deviations.
     RootMeanSquare,
-    /// Ground motions times .5; officially .4.
+    /// Ground motions are scaled by .5; officially by .4.
     HalfScale,
     /// A controller that estimates the displacement is judged by its estimate; officially by the reading.
     JudgedByEstimate,
-    /// Plants are drawn evenly from three standard deviations to either side; officially they are normal.
+    /// Plants are drawn uniformly within three standard deviations to either side; officially they are normal.
     UniformPlants,
     /// Core's loop integrates the equation of motion itself, with the force of the same sample.
     CoreIntegrates,
 }
 
 impl Deviation {
-    /// All.
+    /// All deviations.
     pub const ALL: [Self; 7] = [
         Self::NoUnitDelay,
         Self::NominalNumericalPart,
@@ -55,15 +55,15 @@ impl Deviation {
 }
 
 impl Rules {
-    /// The problem's own.
+    /// The problem's own rules.
     pub const fn official() -> Self {
         Self {
             deviations: Vec::new(),
         }
     }
 
-    /// A simpler set: core integrates, with the force of the same sample; the numerical part is nominal; criteria are root
-    /// mean squares.
+    /// A simpler set: core integrates, with the force of the same sample; the numerical part is nominal; and the criteria are
+    /// root mean squares.
     pub fn own() -> Self {
         Self {
             deviations: vec![
@@ -74,7 +74,7 @@ impl Rules {
         }
     }
 
-    /// With one more deviation, by its name.
+    /// The rules with one more deviation, by its name.
     ///
     /// # Errors
     /// A name that no deviation has.
@@ -92,12 +92,12 @@ impl Rules {
         Ok(self)
     }
 
-    /// True if they deviate so.
+    /// True if they contain this deviation.
     pub fn deviates(&self, deviation: Deviation) -> bool {
         self.deviations.contains(&deviation)
     }
 
-    /// What a ground motion is multiplied by.
+    /// The factor on a ground motion.
     pub fn ground_scale(&self) -> f64 {
         if self.deviates(Deviation::HalfScale) {
             0.5

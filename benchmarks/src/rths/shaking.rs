@@ -1,4 +1,4 @@
-//! A ground motion at the samples of the problem, and what the whole structure answers to it.
+//! A ground motion at the samples of the problem, and the response of the whole structures to it.
 
 use super::case::{CASES, Structure};
 use super::channels::Noise;
@@ -10,14 +10,14 @@ use super::yielding::Behaviour;
 /// A ground motion at the samples of the problem, scaled.
 #[derive(Clone, Debug)]
 pub struct Shaking {
-    /// Acceleration, m/s^2; at rest behind its end.
+    /// Acceleration, m/s^2; zero after its end.
     pub acc_m_per_s2: Vec<f64>,
     points_m_per_s2: Vec<f32>,
     interval_s: f64,
 }
 
 impl Shaking {
-    /// From points `interval_s` apart, m/s^2, times `scale`, by linear interpolation.
+    /// A ground motion from points `interval_s` apart, m/s^2, times `scale`, by linear interpolation.
     pub fn new(points_m_per_s2: &[f32], interval_s: f64, scale: f64) -> Self {
         let end_s = points_m_per_s2.len().saturating_sub(1) as f64 * interval_s;
         let samples = (end_s * RATE_HZ).floor() as usize + 1;
@@ -40,7 +40,7 @@ impl Shaking {
         }
     }
 
-    /// The points as they came, scaled, m/s^2, and their interval, s.
+    /// The original points, scaled, m/s^2, and their interval, s.
     pub fn points(&self) -> (&[f32], f64) {
         (&self.points_m_per_s2, self.interval_s)
     }
@@ -50,15 +50,15 @@ impl Shaking {
         self.acc_m_per_s2.len()
     }
 
-    /// The acceleration of a sample and of the next.
+    /// The accelerations at a sample and at the next.
     #[inline]
     pub fn pair(&self, sample: usize) -> [f64; 2] {
         let at = |i: usize| self.acc_m_per_s2.get(i).copied().unwrap_or(0.0);
         [at(sample), at(sample + 1)]
     }
 
-    /// The displacements of the whole structures of all cases at each sample, m, and the work that the force of the
-    /// specimens has done in the end, J: the references.
+    /// The references: displacements of the whole structures of all cases at each sample, m, and the total work of the
+    /// specimens' forces, J.
     pub fn references(&self, behaviour: Behaviour) -> ([Vec<[f64; FLOORS]>; 4], [f64; 4]) {
         let mut specimens = CASES.map(|_| (behaviour.at_rest(), Work::default()));
         let floors = self.answers(|_, first_m| {
@@ -77,7 +77,7 @@ impl Shaking {
         (floors, specimens.map(|(_, work)| work.done_j[0]))
     }
 
-    /// What the noise of the force reading alone moves the whole structures by, m: no controller has less.
+    /// The motion of the whole structures caused by the noise of the force reading alone, m. No controller can have less.
     pub fn moved_by(noise: &Noise, samples: usize) -> [Vec<[f64; FLOORS]>; 4] {
         let still = Self {
             acc_m_per_s2: vec![0.0; samples],
@@ -87,7 +87,7 @@ impl Shaking {
         still.answers(|k, _| [noise.at(k)[1]; 4])
     }
 
-    /// With a force on the first floor, N, that may depend on the sample and on where the first floors are.
+    /// The responses with a force on the first floor, N, which may depend on the sample and the first floors' displacements.
     fn answers(
         &self,
         mut force_n: impl FnMut(usize, [f64; 4]) -> [f64; 4],
@@ -95,7 +95,7 @@ impl Shaking {
         let parts = CASES.map(|case| (case, case.reference()));
         let mut answers: [Vec<[f64; FLOORS]>; 4] =
             std::array::from_fn(|_| Vec::with_capacity(self.samples()));
-        // A mass matrix of the problem is never singular.
+        // The mass matrices of the problem are never singular.
         let Some(mut structures) = Structure::new(&parts) else {
             return answers;
         };

@@ -1,6 +1,6 @@
-//! How large and how fast the problem is.
+//! Size and sampling rate of the problem.
 
 /// Sampling rate of the problem, Hz.
 pub const RATE_HZ: f64 = 4096.0;
-/// Floors of the structure.
+/// Number of floors.
 pub const FLOORS: usize = 3;

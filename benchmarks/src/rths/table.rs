@@ -1,15 +1,15 @@
-//! Rows as cells, for the terminal and for the report.
+//! Rows as cells, for the terminal and for reports.
 
 use super::bench::{LOST_PERCENT, RthsRow};
 
-/// The rows of one ground motion after the other, each with its name.
+/// The rows of one ground motion after another, with the motion's name.
 pub fn by_record(rows: &[RthsRow]) -> impl Iterator<Item = (&str, &[RthsRow])> {
     let groups = rows.chunk_by(|a, b| a.record == b.record);
     groups.map(|group| (group[0].record.as_str(), group))
 }
 
-/// Head of the summary of one ground motion: a controller a row, cases 1 to 4 side by side. A specimen that yields has a
-/// column more.
+/// Header of the summary of one ground motion: one row for each controller, with cases 1 to 4 side by side. A specimen that
+/// yields has one more column.
 pub fn summary_head(rows: &[RthsRow]) -> Vec<&'static str> {
     let yields = rows.iter().any(|r| r.energy_error.is_some());
     let mut head = SUMMARY_HEAD.to_vec();
@@ -21,13 +21,13 @@ pub fn summary_head(rows: &[RthsRow]) -> Vec<&'static str> {
 
 const SUMMARY_HEAD: [&str; 7] = ["controller", "J2", "J2*", "J4", "J4*", "J4 worst", "lost"];
 
-/// What the summary's head means.
+/// The meaning of the summary's header.
 pub const SUMMARY_LEGEND: &str = "Per cent, cases 1/2/3/4. J2: tracking error; J4: error of the specimen's floor \
     against the reference structure (standard deviations). As read, the noise of the sensor counts in; * is the \
     displacement as it was. Worst: of the perturbed plants, as read. Lost: J4 of 100 % or more, of all \
     perturbed plants; in a cell, a figure of 1000 % or more. Energy: error of what a yielding specimen has taken in the end";
 
-/// Head of what controllers do on specimens that yield.
+/// Header of the table for specimens that yield.
 pub const YIELDING_HEAD: [&str; 7] = [
     "controller",
     "degrading: J2*",
@@ -38,17 +38,17 @@ pub const YIELDING_HEAD: [&str; 7] = [
     "energy",
 ];
 
-/// What it means.
+/// Its meaning.
 pub const YIELDING_LEGEND: &str = "Specimens that yield, nominal plant, per cent, the largest of cases 1 to 4. Degrading: \
     loses stiffness and strength; pinched: slips around zero beside that. Energy: error of what the specimen has taken in \
     the end";
 
-/// The rows of one ground motion on both specimens that yield: a row a controller.
+/// The table of one ground motion for both specimens that yield, with one row for each controller.
 pub fn yielding_summary(degrading: &[RthsRow], pinched: &[RthsRow]) -> Vec<Vec<String>> {
     let figures: [fn(&RthsRow) -> f64; 3] = [
         |r| r.j2_true,
         |r| r.j4_true,
-        // A row without it is not of a specimen that yields.
+        // A row without it does not belong to a specimen that yields.
         |r| r.energy_error.unwrap_or(f64::INFINITY),
     ];
     names(degrading)
@@ -77,7 +77,7 @@ pub(super) fn names(rows: &[RthsRow]) -> Vec<&str> {
     names
 }
 
-/// Head of all criteria.
+/// Header of the table with all criteria.
 pub const HEAD: [&str; 17] = [
     "case",
     "controller",
@@ -98,7 +98,7 @@ pub const HEAD: [&str; 17] = [
     "lost",
 ];
 
-/// A number of at most five letters.
+/// A number of at most five characters.
 pub fn number(x: f64) -> String {
     match x {
         x if x >= 10.0 * LOST_PERCENT || x.is_nan() => "lost".into(),
@@ -108,7 +108,7 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// The summary of the rows of one ground motion: the noise alone first, then a row a controller.
+/// The summary of one ground motion: first the noise alone, then one row for each controller.
 pub fn summary(rows: &[RthsRow]) -> Vec<Vec<String>> {
     let names = names(rows);
     let own =

@@ -1,4 +1,4 @@
-//! The transfer system in motion: servo valve, actuator and specimen, several side by side.
+//! Simulation of the transfer system (servo valve, actuator and specimen), several side by side.
 
 use super::parameters::{OUTPUT_GAIN, Parameters};
 use super::size::RATE_HZ;
@@ -6,26 +6,26 @@ use crate::linear::Lanes;
 use nalgebra::SMatrix;
 use plant::linear::Linear;
 
-/// Angular frequency that derivatives are scaled by, so that the states are of one size.
+/// Angular frequency that derivatives are scaled by, so that the states are of similar size.
 const SCALE_RAD_PER_S: f64 = 300.0;
 
 /// `L` transfer systems; commands are held over a period.
 ///
-/// Displacement x, velocity v, force p of the actuator, flow q of the valve (as the rate of that force) and its rate:
-/// `m v' = p - c v - k x - d`, `p' = q - a3 p - a2 v`, `q'' = a1b0 (gain u - x) - b1 q' - b2 q`, where d is by how much the
-/// specimen's force differs from the linear one.
+/// The states are displacement x, velocity v, the actuator's force p, the valve's flow q (as the rate of that force) and its
+/// rate: `m v' = p - c v - k x - d`, `p' = q - a3 p - a2 v`, `q'' = a1b0 (gain u - x) - b1 q' - b2 q`, where d is the difference
+/// of the specimen's force from the linear one.
 #[derive(Clone, Debug)]
 pub struct TransferSystem<const L: usize> {
     system: Lanes<5, 2, L>,
-    /// Mass, damping and stiffness of the specimens.
+    /// Masses, dampings and stiffnesses of the specimens.
     specimen: [[f64; L]; 3],
-    /// Size of a force state, N/m.
+    /// Scale of the force states, N/m.
     size_n_per_m: [f64; L],
     other_n: [f64; L],
 }
 
 impl<const L: usize> TransferSystem<L> {
-    /// At rest.
+    /// Systems at rest.
     pub fn new(plants: &[Parameters; L]) -> Self {
         use std::array::from_fn;
         Self {
@@ -41,7 +41,7 @@ impl<const L: usize> TransferSystem<L> {
         }
     }
 
-    /// One period under `command_m`, m; `other_n` is what the specimens' forces have beside `c v + k x`, in its middle.
+    /// Advances by one period under `command_m`, m. `other_n` is the specimens' force beyond `c v + k x` in its middle, N.
     #[inline(always)]
     pub fn step(&mut self, command_m: [f64; L], other_n: [f64; L]) {
         self.other_n = other_n;
@@ -68,7 +68,7 @@ impl<const L: usize> TransferSystem<L> {
         &self.system.state[0]
     }
 
-    /// Forces on the load cells, N: what the actuators push with, inertia and damping of the specimens included.
+    /// Forces on the load cells, N: the actuators' forces, including inertia and damping of the specimens.
     #[inline(always)]
     pub fn force_n(&self) -> [f64; L] {
         let p = &self.system.state[2];
@@ -76,7 +76,7 @@ impl<const L: usize> TransferSystem<L> {
     }
 }
 
-/// Transition and inputs (command, m; other force, N) over a period, in states of one size.
+/// Transition and inputs (command, m; other force, N) over a period, for states of similar size.
 fn sampled(plant: &Parameters) -> (SMatrix<f64, 5, 5>, SMatrix<f64, 5, 2>) {
     let s = &plant.specimen;
     let (m, c, k) = (s.mass_kg, s.damping_n_s_per_m, s.stiffness_n_per_m);

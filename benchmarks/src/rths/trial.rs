@@ -18,7 +18,7 @@ use super::transfer::TransferSystem;
 use super::yielding::Behaviour;
 use crate::Refused;
 
-/// What is read of `L` rigs at a sample.
+/// Readings of `L` rigs at a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Readings<const L: usize> {
     /// Displacements of the specimens, m.
@@ -29,35 +29,35 @@ pub struct Readings<const L: usize> {
     pub ground_m_per_s2: [f64; 2],
 }
 
-/// What numerical parts and controllers answer.
+/// Outputs of the numerical parts and controllers.
 #[derive(Clone, Copy, Debug)]
 pub struct Answers<const L: usize> {
-    /// Where the numerical parts have their floors at this sample, m; the first is the target.
+    /// Floors of the numerical parts at this sample, m; the first is the target.
     pub floors_m: [[f64; L]; FLOORS],
     /// Commands until the next sample, m.
     pub command_m: [f64; L],
-    /// Displacements by which the tests are judged, m.
+    /// Displacements that are judged, m.
     pub judged_m: [f64; L],
 }
 
 /// `L` numerical parts, each with a controller.
 pub trait Hybrid<const L: usize> {
-    /// One sampling period.
+    /// Advances by one sampling period.
     fn step(&mut self, readings: &Readings<L>) -> Answers<L>;
 }
 
-/// The problem's own numerical part with controllers in front of the rigs.
+/// The problem's own numerical part, with a controller for each rig.
 pub struct Official<const L: usize> {
     structure: Structure<L>,
     controllers: [Box<dyn Controller>; L],
-    /// Forces of the sample before.
+    /// Forces of the previous sample.
     force_n: [f64; L],
     unit_delay: bool,
     by_estimate: bool,
 }
 
 impl<const L: usize> Official<L> {
-    /// The numerical part of `case` belongs to the plants, unless `rules` deviate.
+    /// Numerical parts of `case` that fit the plants, unless `rules` deviate.
     ///
     /// # Errors
     /// A numerical part without a positive mass.
@@ -120,29 +120,29 @@ impl<const L: usize> Hybrid<L> for Official<L> {
     }
 }
 
-/// What a trial is run on.
+/// The input of a trial.
 #[derive(Clone, Copy)]
 pub struct Ground<'a> {
     /// The ground motion.
     pub shaking: &'a Shaking,
     /// The floors of the reference at each sample, m.
     pub reference_m: &'a [[f64; FLOORS]],
-    /// What is tested.
+    /// The specimen's behaviour.
     pub behaviour: Behaviour,
 }
 
 /// Target, judged and true displacement of the first lane, m.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RthsTrace {
-    /// Target of the specimen.
+    /// The specimen's target.
     pub target_m: Vec<f64>,
-    /// Displacement as it was read.
+    /// The displacement that is judged: as read, unless the rules deviate.
     pub read_m: Vec<f64>,
-    /// Displacement as it was.
+    /// The true displacement.
     pub true_m: Vec<f64>,
 }
 
-/// The loops on the rigs, from rest. `trace` gets the first lane's motion.
+/// Runs the loops on the rigs from rest. `trace` gets the first lane's motion.
 pub fn run<const L: usize>(
     hybrid: &mut impl Hybrid<L>,
     plants: &[Parameters; L],

@@ -1,15 +1,15 @@
-//! Who is best, what is a tie, and what to know beside any figure.
+//! The best controllers, ties, and a caution for all figures.
 
 use super::bench::RthsRow;
 use super::table::names;
 
-/// The setting of the delay corrector in which the structure is right.
+/// The method with the delay corrector for which the declared structure is right.
 pub const RIGHT_STRUCTURE: &str = "hydraulic/mu=1.5";
 
-/// Differences of J4 below this are a tie, points: another draw of the noise moves J4 as read by as much.
+/// Differences of J4 up to this are a tie, percentage points: another draw of the noise changes J4 as read by as much.
 pub const TIE: f64 = 0.05;
 
-/// Who has the least J4 as read, the mean of all cases and records, and who is as good: names, the best first.
+/// Names of the controllers with the smallest J4 as read (mean over all cases and records), ties included, the best first.
 pub fn best(rows: &[RthsRow]) -> Vec<String> {
     let mean = |name: &str| {
         let own = rows.iter().filter(|r| r.controller == name);
@@ -26,5 +26,5 @@ pub fn best(rows: &[RthsRow]) -> Vec<String> {
         .collect()
 }
 
-/// What to know beside any of these figures.
+/// A caution for all these figures.
 pub const CAUTION: &str = "Real rigs are reported to be 3 to 5 times worse than this virtual one.";

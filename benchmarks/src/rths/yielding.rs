@@ -1,5 +1,5 @@
-//! Specimens that yield: Bouc and Wen's smooth hysteresis with degradation (Baber and Wen 1981) and pinching (Baber and
-//! Noori 1985; the functions of Foliente 1995).
+//! Specimens that yield: smooth Bouc-Wen hysteresis with degradation (Baber and Wen 1981) and pinching (Baber and Noori 1985;
+//! functions of Foliente 1995).
 //!
 //! With `xi = x / x_y` and `z` the hysteretic force over its yield value,
 //!
@@ -9,36 +9,36 @@
 //! zeta_1 = zeta_s (1 - exp(-p e)),   zeta_2 = (psi + d_psi e) (lambda + zeta_1)
 //! ```
 //!
-//! What differs from the linear specimen, `(1 - alpha) k (x_y z - x)`, acts beside it, in the laboratory and in the
-//! reference alike. Perturbed plants keep that difference: the whole stays the reference.
+//! The difference from the linear specimen, `(1 - alpha) k (x_y z - x)`, acts in addition to it, both in the laboratory and in
+//! the reference. Perturbed plants keep this difference, so that the whole stays the reference.
 
 use crate::Refused;
 
 /// Stiffness of the nominal specimen, N/m.
 const STIFFNESS_N_PER_M: f64 = 1.19e6;
-/// Displacement at which it yields, m: a third of what El Centro asks.
+/// Displacement at which it yields, m: a third of what El Centro demands.
 const YIELD_M: f64 = 1e-3;
-/// Stiffness after yielding over before.
+/// Stiffness after yielding over stiffness before.
 const ALPHA: f64 = 0.1;
-/// Share of the loop: straight unloading.
+/// `beta`; one half gives straight unloading.
 const BETA: f64 = 0.5;
-/// Longest substep in units of the yield displacement.
+/// Longest substep, in units of the yield displacement.
 const SUBSTEP: f64 = 0.05;
 
 /// How the specimen behaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Behaviour {
-    /// As published.
+    /// The published linear specimen.
     #[default]
     Linear,
-    /// Loses stiffness and strength with the energy that it has taken.
+    /// Loses stiffness and strength with the energy that it has absorbed.
     Degrading,
-    /// Slips around zero beside that.
+    /// Also slips around zero.
     Pinched,
 }
 
 impl Behaviour {
-    /// All.
+    /// All behaviours.
     pub const ALL: [Self; 3] = [Self::Linear, Self::Degrading, Self::Pinched];
 
     /// Its name on the command line.
@@ -50,10 +50,10 @@ impl Behaviour {
         }
     }
 
-    /// By its name.
+    /// The behaviour of a name.
     ///
     /// # Errors
-    /// A name that none has.
+    /// An unknown name.
     pub fn named(name: &str) -> Result<Self, Refused> {
         Self::ALL
             .into_iter()
@@ -66,7 +66,7 @@ impl Behaviour {
             })
     }
 
-    /// One at rest; `None` for a linear one, which has nothing beside its stiffness.
+    /// The hysteresis at rest; `None` for the linear specimen, which has none.
     pub fn at_rest(self) -> Option<Yielding> {
         let laws = match self {
             Self::Linear => return None,
@@ -91,7 +91,7 @@ impl Behaviour {
     }
 }
 
-/// What the energy does.
+/// Effects of the absorbed energy.
 #[derive(Clone, Copy, Debug)]
 struct Laws {
     /// d_nu.
@@ -130,18 +130,18 @@ pub struct Yielding {
     laws: Laws,
     at_m: f64,
     z: f64,
-    /// Energy taken, in units of yield force times yield displacement.
+    /// Absorbed energy, in units of yield force times yield displacement.
     energy: f64,
-    /// What its force is beside the linear one, at the last two samples, N.
+    /// Difference of its force from the linear one at the last two samples, N.
     other_n: [f64; 2],
 }
 
 impl Yielding {
-    /// Takes the displacement of a sample in, m, reached from the last monotonically; gives what the force is beside the
-    /// linear one in the middle of the period that begins, carried on along a line, N.
+    /// Moves to the displacement of a sample, m, monotonically from the last one. Returns the difference of the force from the
+    /// linear one in the middle of the period that begins, extrapolated linearly, N.
     pub fn go_to(&mut self, displacement_m: f64) -> f64 {
         let way = (displacement_m - self.at_m) / YIELD_M;
-        // A rig that ran away does not hold the computer up.
+        // A rig that ran away must not take forever.
         let parts = (way.abs() / SUBSTEP).ceil().clamp(1.0, 1e3);
         let (h, sign) = (way / parts, way.signum());
         for _ in 0..parts as u32 {
@@ -161,7 +161,7 @@ impl Yielding {
         now_n + 0.5 * (now_n - last_n)
     }
 
-    /// What the force is beside the linear one at the last sample, N.
+    /// Difference of the force from the linear one at the last sample, N.
     pub fn other_n(&self) -> f64 {
         self.other_n[1]
     }
@@ -171,7 +171,7 @@ impl Yielding {
 mod tests {
     use super::*;
 
-    /// Force over displacement of a sine of growing amplitude.
+    /// Displacement and force for a sine of growing amplitude.
     fn path(behaviour: Behaviour) -> Vec<(f64, f64)> {
         let mut specimen = behaviour.at_rest().unwrap();
         (0..40_000)
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn it_degrades_and_a_pinched_one_is_softer_around_zero() {
         let slope = |path: &[(f64, f64)]| {
-            // Steepest and flattest rise near zero in the last cycle.
+            // Steepest rise near zero in the last cycle.
             let near = path[38_000..]
                 .windows(2)
                 .filter(|w| w[0].0.abs() < 2e-4 && (w[1].0 - w[0].0).abs() > 1e-7)
@@ -215,7 +215,7 @@ mod tests {
         let peak = |path: &[(f64, f64)]| path.iter().fold(0.0_f64, |p, w| p.max(w.1.abs()));
         let (degrading, pinched) = (path(Behaviour::Degrading), path(Behaviour::Pinched));
         assert!(slope(&degrading) < 1.0 && slope(&pinched) < 1.0);
-        // The yield force and what the 10 % of stiffness behind it give; strength is lost.
+        // The yield force plus the force of the 10 % of stiffness that remains; some strength is lost.
         let without_loss = STIFFNESS_N_PER_M * ((1.0 - ALPHA) * YIELD_M + ALPHA * 4e-3);
         assert!(peak(&degrading) < 0.97 * without_loss);
     }

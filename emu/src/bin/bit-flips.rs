@@ -1,4 +1,4 @@
-//! `bit-flips --image IMAGE`: what becomes of a running test when single bits turn over, as a table with a bound.
+//! `bit-flips --image IMAGE`: effects of single bit flips on a running test, as a table with an upper bound.
 
 use clap::Parser;
 use emu::Firmware;

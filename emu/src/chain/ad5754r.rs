@@ -1,5 +1,5 @@
-//! An AD5754R as its data sheet has it, BIN/2sCOMP at ground: 24 bits a command, in force when SYNC rises; codes wait in the
-//! input registers for LDAC, which shows all of them; an output is clamped to ground until it and the reference have power.
+//! An AD5754R by its data sheet, with BIN/2sCOMP at ground. A command has 24 bits and takes effect when SYNC rises. Codes wait
+//! in the input registers until LDAC loads all of them. An output is clamped to ground until it and the reference have power.
 
 use super::output::Output;
 use std::collections::VecDeque;
@@ -7,10 +7,10 @@ use std::collections::VecDeque;
 /// Upper end of each range, V; the first three begin at 0, the others at its opposite.
 const RANGES: [f64; 6] = [5.0, 10.0, 10.8, 5.0, 10.0, 10.8];
 
-/// Outputs; this number of an output means all of them.
+/// Number of outputs; as an address it means all of them.
 const OUTPUTS: usize = 4;
 
-/// What is written of the power register; the rest are flags of heat and current.
+/// Writable bits of the power register; the rest are temperature and current flags.
 const POWER: u16 = 0x1f;
 
 /// The reference's power.
@@ -50,7 +50,7 @@ impl Output for Ad5754r {
                 for output in outputs {
                     self.waiting.push_back((at_ns, output, data));
                     if output == 0 {
-                        // Codes count from the lower end here.
+                        // Logged codes count from the lower end of the range.
                         self.commands.push((at_ns, data ^ 0x8000));
                     }
                 }
@@ -133,7 +133,7 @@ mod tests {
         }
         dac.execute(11, 0x1c_0000);
         assert_eq!((dac.volts(0), dac.volts(2)), (0.0, 0.0));
-        // Of the codes, those of the first output are told, from the lower end up.
+        // Only the first output's codes are logged, counted from the lower end.
         assert_eq!(dac.commands(), [(0, 0xc000), (5, 0x4000)]);
     }
 }

@@ -1,10 +1,10 @@
-//! An AD5761R as its data sheet has it: 24 bits a command, in force when SYNC rises; a code waits in the input register for
-//! LDAC; the output is clamped to ground until the control register has been written.
+//! An AD5761R by its data sheet. A command has 24 bits and takes effect when SYNC rises. A code waits in the input register for
+//! LDAC. The output is clamped to ground until the control register has been written.
 
 use super::output::Output;
 use std::collections::VecDeque;
 
-/// What is written of the control register.
+/// Writable bits of the control register.
 const CONTROL: u32 = 0x7ff;
 
 /// The brown-out flag: set by power-up, cleared by writing the control register.
@@ -25,7 +25,7 @@ const RANGES: [(f64, f64); 8] = [
 /// The converter.
 #[derive(Debug, Default)]
 pub struct Ad5761r {
-    /// `None` until it is written: the output is clamped.
+    /// `None` until it is written; until then the output is clamped.
     control: Option<u32>,
     dac: u16,
     /// Codes in the input register and not yet loaded, with their times, ns.
@@ -92,7 +92,7 @@ impl Output for Ad5761r {
 }
 
 impl Ad5761r {
-    /// Zero, middle or full scale, by the control register.
+    /// Code after power-up by the control register: zero, middle or full scale.
     fn after_power_up(control: u32) -> u16 {
         match control >> 3 & 3 {
             0 => 0,

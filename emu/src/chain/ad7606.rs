@@ -1,15 +1,15 @@
-//! An AD7606 as its data sheet has it: the rising edge of CONVST samples eight inputs at once, BUSY is high while it
-//! converts, its fall puts the results into the output registers, and CS and SCLK bring them out on DOUTA, V1 first.
+//! An AD7606 by its data sheet. The rising edge of CONVST samples eight inputs at once. BUSY is high while it converts; when
+//! BUSY falls, the results are in the output registers. CS and SCLK shift them out on DOUTA, V1 first.
 
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;
 use rigless::device::Level;
 use rigless::snapshot::Store;
 
-/// How long a conversion takes, ns: 4 us, 4.15 at most.
+/// Duration of a conversion, ns: 4 us, at most 4.15.
 pub const CONVERSION_NS: u64 = 4_000;
 
-/// The same with every input converted twice, as OS0 asks for.
+/// The same with every input converted twice (oversampling by OS0).
 const TWICE_NS: u64 = 9_000;
 
 /// Bits of all results.
@@ -18,38 +18,38 @@ const BITS: u32 = 8 * 16;
 /// The converter.
 #[derive(Debug, Default)]
 pub struct Ad7606 {
-    /// What stands at V1 to V8, in two's complement of 10 V / 32768.
+    /// Inputs V1 to V8, in two's complement with 10 V / 32768 a code.
     pub inputs: [i16; 8],
-    /// It has been reset since it has power.
+    /// It has been reset since power-up.
     ready: bool,
     converting: Option<(u64, [i16; 8])>,
     results: [i16; 8],
-    /// So many hundredths of what it is reads everything, if its reference is off.
+    /// Percentage of the true value that every input reads, if the reference is wrong.
     pub percent: Option<u32>,
-    /// The results are those of an earlier conversion from now on.
+    /// The results stay those of an earlier conversion from now on.
     pub stands: bool,
     /// It converts every input twice.
     pub slow: bool,
     /// DOUTA's level, if it is stuck.
     pub stuck: Option<Level>,
-    /// The bit of the next frame that turns over on its way.
+    /// The bit of the next frame that flips in transfer.
     pub turned: Option<u32>,
-    /// Bits that have been brought out since CS fell.
+    /// Bits shifted out since CS fell.
     out: u32,
 }
 
 impl Ad7606 {
-    /// RESET falls after a pulse.
+    /// The falling edge of a pulse on RESET.
     pub fn reset(&mut self) {
         (self.ready, self.converting) = (true, None);
     }
 
-    /// Its supply has gone and come back.
+    /// Its supply has failed and returned.
     pub fn lose_power(&mut self) {
         (self.ready, self.converting, self.results) = (false, None, [0; 8]);
     }
 
-    /// CONVST rises; returns when BUSY will fall, or nothing while one conversion runs or none can.
+    /// CONVST rises. Returns when BUSY will fall, or `None` if a conversion is running or the chip is not reset.
     pub fn convert(&mut self, at_ns: u64) -> Option<u64> {
         self.settle(at_ns);
         if !self.ready || self.converting.is_some() {
@@ -60,7 +60,7 @@ impl Ad7606 {
         Some(ends)
     }
 
-    /// What has come due by now.
+    /// Completes a conversion that has ended by now.
     pub fn settle(&mut self, at_ns: u64) {
         if let Some((_, results)) = self.converting.take_if(|(ends, _)| *ends <= at_ns) {
             if !self.stands {
@@ -87,7 +87,7 @@ impl Peer for Ad7606 {
         self.settle(context.now().0);
         let mut word = 0;
         for _ in 0..bits {
-            // Behind the last result the line is low.
+            // After the last result the line is low.
             let bit = if self.out < BITS {
                 self.bit(self.out)
             } else {

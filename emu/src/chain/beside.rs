@@ -1,5 +1,5 @@
-//! The chip's second converter, which looks at what is recorded beside the control path. The emulator's converters have no
-//! trigger but software's: where the registers say that the timer's update starts them, it is given.
+//! The chip's second converter, which samples what is recorded outside the control path. The emulator's converters have only a
+//! software trigger: it is given where the registers say that the timer's update starts them.
 
 use super::shown::{Instant, TOP};
 use crate::nucleo::Nucleo;
@@ -11,19 +11,19 @@ use rigless::soc::stm32f427::peripherals::adc::Channel;
 
 const JSWSTART: u64 = 1 << 22;
 
-/// Its supply, V, which is the range of its codes.
+/// Its supply and full scale, V.
 const SUPPLY_V: f64 = 3.3;
 
-/// Of the amplifier before an input of -10 to +10 V: gain, and the middle of its output, V.
+/// Amplifier in front of an input of -10 to +10 V: gain, and the middle of its output, V.
 const GAIN: f64 = 0.15;
 const MIDDLE_V: f64 = 1.65;
 
-/// What the amplifier makes of a voltage.
+/// The amplifier's output for an input voltage.
 pub fn amplified_v(volts: f64) -> f64 {
     MIDDLE_V + GAIN * volts
 }
 
-/// Puts voltages onto channels.
+/// Applies voltages to channels.
 pub fn show(session: &mut Session<Nucleo>, shown: &[(u8, f64)]) {
     let adc = &mut session.board_mut().chip.adc[1];
     for (channel, volts) in shown {

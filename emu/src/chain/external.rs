@@ -1,5 +1,5 @@
-//! An AD7606 and an AD5761R, or for three actuators an AD5754R, on the board: where their pins go, and what the timers do
-//! with them.
+//! An AD7606 and an AD5761R (for three actuators an AD5754R) on the board: where their pins go, and how the timers drive
+//! them.
 
 use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
@@ -21,7 +21,7 @@ use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::soc::stm32f427::peripherals::tim::Channel;
 use rigless::time::VirtualNanos;
 
-/// SPI1 and SPI3, ports B and D, TIM2 in the chip's lists.
+/// Indices of SPI1, SPI3, port B and TIM2 in the chip's lists.
 const SPI1: usize = 0;
 const SPI3: usize = 2;
 const PORT_B: usize = 1;
@@ -36,7 +36,7 @@ const CS_PIN: u8 = 14;
 const SYNC_PIN: u8 = 2;
 const BUSY_CHANNEL: u8 = 4;
 
-/// Half of the board's 3.3 V, by two resistors of 10 kOhm before 1 MOhm.
+/// Half of the board's 3.3 V: a divider of two 10 kOhm resistors, loaded by 1 MOhm.
 const KNOWN_V: f64 = 1.65 * 0.995;
 
 /// Codes of 16 bits over +-10 V.
@@ -45,7 +45,7 @@ const CODES_PER_V: f64 = 3276.8;
 /// Acceleration at full scale of its input, m/s^2.
 const FULL_SCALE_M_PER_S2: f64 = 50.0;
 
-/// Hangs both chips on the board's serial interfaces, those for so many actuators.
+/// Attaches both chips for this number of actuators to the board's serial interfaces.
 pub fn attach(board: &mut Nucleo, actuators: usize) {
     let on = |pin| Pin::new(pin).map(selected_by);
     if let (Some(cs), Some(sync)) = (on(CS_PIN), on(SYNC_PIN)) {
@@ -76,7 +76,7 @@ fn output(session: &mut Session<Nucleo>) -> Option<&mut dyn Output> {
     chip::<OnBus>(session, SPI3).map(|bus| bus.chip.as_mut() as &mut dyn Output)
 }
 
-/// What happens between the chips and the board's pins.
+/// Signals between the chips and the board's pins.
 #[derive(Debug)]
 pub struct External {
     /// Number of actuators.
@@ -90,7 +90,7 @@ pub struct External {
 }
 
 impl External {
-    /// For so many actuators.
+    /// For this number of actuators.
     pub fn new(actuators: usize) -> Self {
         Self {
             actuators,
@@ -115,12 +115,12 @@ impl External {
         }
     }
 
-    /// BUSY falls then.
+    /// When BUSY falls next.
     pub fn next_turn(&self) -> Option<VirtualNanos> {
         self.busy_until
     }
 
-    /// It falls.
+    /// Lets BUSY fall if that is due.
     pub fn turn(&mut self, session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos) {
         if self.busy_until.take_if(|until| *until <= at).is_some() {
             if let Some(adc) = chip::<Ad7606>(session, SPI1) {
@@ -130,7 +130,7 @@ impl External {
         }
     }
 
-    /// CONVST, LDAC and RESET as the program itself moves them.
+    /// CONVST, LDAC and RESET as the program itself sets them.
     pub fn written(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -166,13 +166,13 @@ impl External {
         }
     }
 
-    /// The chip's pins float; outside they are pulled to where nothing happens.
+    /// The chip's pins float; external resistors pull them to their inactive levels.
     pub fn reset(&mut self) {
         (self.convst, self.ldac, self.reset) = (false, true, false);
     }
 }
 
-/// A pin after a write of its port's set and reset register; returns how it was.
+/// Updates a pin by a write to its port's set and reset register; returns the level before.
 fn moved(level: &mut bool, value: u64, pin: u32) -> bool {
     let was = *level;
     if value >> pin & 1 == 1 {
@@ -183,7 +183,7 @@ fn moved(level: &mut bool, value: u64, pin: u32) -> bool {
     was
 }
 
-/// BUSY's level, to the pin and, where the pin is the timer's, to the timer.
+/// Drives BUSY's pin and, if the pin is assigned to the timer, the timer's input.
 fn busy(session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos, level: Level) {
     let board = &mut session.board_mut().chip;
     if let Some(pin) = Pin::new(BUSY_PIN as u8) {
@@ -206,8 +206,8 @@ fn busy(session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos, 
 /// Channels of the chip's own ADC2 that see the outputs of three actuators.
 const OUTPUT_CHANNELS: [u8; 3] = [3, 10, 13];
 
-/// What stands at the AD7606's inputs: the rig's sensors, and the output at V3; with three actuators their outputs are at the
-/// chip's own converter.
+/// Sets the AD7606's inputs: the rig's sensors, and the output at V3. With three actuators the outputs go to the chip's own
+/// converter.
 pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
     let output = output(session).map(|dac| [0, 1, 2].map(|place| dac.volts(place)));
     let read_back = output.map_or(0.0, |volts| volts[0]);
@@ -234,7 +234,7 @@ pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
     }
 }
 
-/// Codes of the command since this was last asked.
+/// Codes of the command since the last call.
 pub fn commands(session: &mut Session<Nucleo>) -> Vec<(u64, u16)> {
     output(session).map_or_else(Vec::new, |dac| dac.commands())
 }
@@ -245,14 +245,14 @@ fn load(session: &mut Session<Nucleo>, at_ns: u64) {
     }
 }
 
-/// A period is over: LDAC fell at TIM4's compare, or was low all the while.
+/// A period is over: LDAC fell at TIM4's compare, or was low throughout.
 pub fn end_of_period(
     session: &mut Session<Nucleo>,
     registers: &Registers,
     trigger_ns: u64,
     timer_hz: u64,
 ) {
-    // A chain with another compare value works, at another instant; one with the other polarity, all the time.
+    // With another compare value LDAC falls at another instant; with the other polarity it is always low.
     let chain = OUTPUT
         .iter()
         .filter(|d| !matches!(d.name, "TIM4_CCR1" | "TIM4_CCER.CC1P"));
@@ -272,13 +272,13 @@ pub fn end_of_period(
     );
 }
 
-/// The code that stands for the voltage of an actuator's output.
+/// The code for the voltage of an actuator's output.
 pub fn pin(session: &mut Session<Nucleo>, actuator: usize) -> Option<u16> {
     let volts = output(session)?.volts(actuator);
     Some(((volts + 10.0) * CODES_PER_V).round().clamp(0.0, 65535.0) as u16)
 }
 
-/// The output converter's supply goes and comes back: it is as after power-up.
+/// The output converter's supply fails and returns: it is as after power-up.
 pub fn dip_output(session: &mut Session<Nucleo>) {
     if let Some(dac) = output(session) {
         dac.lose_power();
@@ -292,42 +292,42 @@ pub fn stick_data(session: &mut Session<Nucleo>, high: bool) {
     }
 }
 
-/// The AD7606's reference is off: it reads so many hundredths of what stands at its inputs.
+/// The AD7606's reference is wrong: it reads this percentage of its inputs.
 pub fn scale_input(session: &mut Session<Nucleo>, percent: u32) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.percent = Some(percent);
     }
 }
 
-/// The AD7606's results stand from now on, and BUSY falls all the same.
+/// The AD7606's results no longer change from now on, although BUSY falls.
 pub fn stand_input(session: &mut Session<Nucleo>) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.stands = true;
     }
 }
 
-/// The AD7606 takes longer than the step waits from now on.
+/// From now on the AD7606 takes longer than the step waits.
 pub fn slow_input(session: &mut Session<Nucleo>) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.slow = true;
     }
 }
 
-/// The AD7606's supply goes and comes back: nobody resets it again.
+/// The AD7606's supply fails and returns, without a reset.
 pub fn dip_input(session: &mut Session<Nucleo>) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.lose_power();
     }
 }
 
-/// A bit of the AD7606's next frame turns over on its way.
+/// A bit of the AD7606's next frame flips in transfer.
 pub fn turn_over_input(session: &mut Session<Nucleo>, bit: u32) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.turned = Some(bit);
     }
 }
 
-/// A bit of the next command turns over on its way.
+/// A bit of the next command flips in transfer.
 pub fn turn_over_output(session: &mut Session<Nucleo>, bit: u32) {
     if let Some(bus) = chip::<OnBus>(session, SPI3) {
         bus.turned = Some(bit);

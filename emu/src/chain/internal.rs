@@ -1,6 +1,5 @@
-//! The chip's own converters. The emulator's ADC has no trigger but software's, and it has no DAC: here is channel 1 of it
-//! as the chip has it. A code waits in the holding register for its trigger, and the pin shows the output register, or
-//! floats.
+//! The chip's own converters. The emulator's ADC has only a software trigger, and there is no DAC: here is channel 1 of the
+//! chip's. A code waits in the holding register for its trigger, and the pin shows the output register, or floats.
 
 use super::beside;
 use super::shown::{Instant, Shown, TOP};
@@ -15,7 +14,7 @@ use std::collections::VecDeque;
 const DISPLACEMENT_CHANNEL: u8 = 3;
 const FORCE_CHANNEL: u8 = 10;
 
-// Of ADC2.
+// Channels of ADC2.
 const COMMAND_CHANNEL: u8 = 4;
 const SECOND_DISPLACEMENT_CHANNEL: u8 = 13;
 const ACCELERATION_CHANNEL: u8 = 12;
@@ -31,9 +30,9 @@ const PA4: u64 = 3 << 8;
 #[derive(Clone, Debug, Default)]
 pub struct Internal {
     output: u16,
-    /// Codes written and not yet taken over, with their times.
+    /// Codes written and not yet loaded, with their times, ns.
     held: VecDeque<(u64, u16)>,
-    /// All that were written since they were asked for.
+    /// All codes written since the last call of `commands`.
     commands: Vec<(u64, u16)>,
     /// The pin stays where it is.
     broken: bool,
@@ -49,7 +48,7 @@ impl Internal {
         }
     }
 
-    /// Codes that were written since this was last asked.
+    /// Codes written since the last call.
     pub fn commands(&mut self) -> Vec<(u64, u16)> {
         std::mem::take(&mut self.commands)
     }
@@ -72,9 +71,9 @@ impl Internal {
         }
     }
 
-    /// A period that began at `trigger_ns` is over: what stood in the holding register at TIM4's compare is shown since.
+    /// A period that began at `trigger_ns` is over: the code in the holding register at TIM4's compare is now the output.
     pub fn end_of_period(&mut self, registers: &Registers, trigger_ns: u64, timer_hz: u64) {
-        // A chain with another compare value works, at another instant.
+        // With another compare value the output changes at another instant.
         let chain = OUTPUT.iter().filter(|d| d.address != TIM4_CCR1);
         if chain
             .clone()
@@ -104,8 +103,7 @@ impl Internal {
     }
 }
 
-/// Puts the codes of one conversion each on the pins: those of the sensors are of two, added. `pin`: the code that the
-/// output shows.
+/// Applies to each pin the voltage of one conversion: a sensor's code is the sum of two. `pin`: the output's code.
 pub fn show(session: &mut Session<Nucleo>, shown: Shown, pin: Option<u16>) {
     let volts = |code: f64| code / f64::from(TOP) * 3.3;
     let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2;
@@ -144,7 +142,7 @@ mod tests {
     use super::*;
     use crate::registers::{TIM4_CCMR1, TIM4_CR1, TIM4_CR2, TIM4_SMCR};
 
-    /// What gives ports and timers their clocks.
+    /// Clock enables of ports and timers.
     const AHB1ENR: u64 = 0x4002_3830;
     const APB1ENR: u64 = 0x4002_3840;
 

@@ -29,7 +29,7 @@ use shown::TOP;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Converters {
-    /// Two conversions of 12 bits an input, and the chip's DAC.
+    /// The chip's ADC, two conversions of 12 bits an input, and its DAC.
     #[default]
     Internal,
     /// AD7606 and AD5761R.
@@ -64,7 +64,7 @@ impl Converters {
 }
 
 impl Nucleo {
-    /// With what is outside the chip: the chip's own converters need nothing.
+    /// Adds the external converters; the chip's own need nothing.
     #[must_use]
     pub fn with_converters(mut self, converters: Converters) -> Self {
         if converters != Converters::Internal {
@@ -84,7 +84,7 @@ pub enum Chain {
 }
 
 impl Chain {
-    /// Of a kind.
+    /// For these converters.
     pub fn new(converters: Converters) -> Self {
         match converters {
             Converters::Internal => Self::Internal(Internal::default()),
@@ -103,7 +103,7 @@ impl Chain {
         }
     }
 
-    /// What must stand in the registers, beside the guards.
+    /// What the registers must hold, apart from [`crate::registers::GUARDS`].
     pub fn demands(&self) -> [&'static [Demand]; 3] {
         use crate::registers::{external, internal};
         match self {
@@ -118,7 +118,7 @@ impl Chain {
         }
     }
 
-    /// What must stand in the registers for what is recorded beside; nothing where external converters record it.
+    /// What the registers must hold for the inputs outside the control path; nothing where external converters sample them.
     pub fn demands_beside(&self) -> [&'static [Demand]; 2] {
         use crate::registers::beside;
         match self.converters() {
@@ -128,7 +128,7 @@ impl Chain {
         }
     }
 
-    /// Puts what the rig shows onto the inputs.
+    /// Applies the rig's readings to the inputs.
     pub fn show(&mut self, session: &mut Session<Nucleo>, registers: &Registers, shown: Shown) {
         match self {
             Self::Internal(internal) => internal::show(session, shown, internal.pin(registers)),
@@ -136,7 +136,7 @@ impl Chain {
         }
     }
 
-    /// The sampling timer's update: starts the conversions if the registers are such that it does.
+    /// The sampling timer's update: starts the conversions if the registers allow it; returns whether it did.
     pub fn update(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -158,7 +158,7 @@ impl Chain {
         starts
     }
 
-    /// The next instant at which a converter has something to do by itself.
+    /// The next instant at which a converter acts by itself.
     pub fn next_turn(&self) -> Option<VirtualNanos> {
         match self {
             Self::Internal(_) => None,
@@ -187,7 +187,7 @@ impl Chain {
         }
     }
 
-    /// Codes of the command since this was last asked, with their times, ns.
+    /// Codes of the command since the last call, with their times, ns.
     pub fn commands(&mut self, session: &mut Session<Nucleo>) -> Vec<(u64, u16)> {
         match self {
             Self::Internal(internal) => internal.commands(),
@@ -195,7 +195,7 @@ impl Chain {
         }
     }
 
-    /// A period that began at `trigger_ns` is over: what stood at TIM4's compare is shown since.
+    /// A period that began at `trigger_ns` is over: what was written before TIM4's compare is now the output.
     pub fn end_of_period(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -230,7 +230,7 @@ impl Chain {
         }
     }
 
-    /// The supply of a converter outside the chip goes and comes back, or its data line is stuck; of the chip's own nothing.
+    /// A fault of a converter outside the chip; the chip's own have none of these.
     pub fn disturb(&mut self, session: &mut Session<Nucleo>, fault: InjectedFault) {
         if let Self::External(_) = self {
             match fault {
@@ -245,14 +245,14 @@ impl Chain {
         }
     }
 
-    /// A bit of the next frame from the input converter outside the chip turns over.
+    /// A bit of the next frame from the external input converter flips.
     pub fn turn_over_input(&mut self, session: &mut Session<Nucleo>, bit: u32) {
         if let Self::External(_) = self {
             external::turn_over_input(session, bit);
         }
     }
 
-    /// A bit of the next command to the output converter outside the chip turns over.
+    /// A bit of the next command to the external output converter flips.
     pub fn turn_over_output(&mut self, session: &mut Session<Nucleo>, bit: u32) {
         if let Self::External(_) = self {
             external::turn_over_output(session, bit);
@@ -268,13 +268,13 @@ impl Chain {
     }
 }
 
-/// The displacement that a code commands, m.
+/// The displacement commanded by a code, m.
 pub fn command_m(wired: &Calibration, code: u16) -> f64 {
     let line = wired.command;
     (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
 }
 
-/// The code of a sensor, with its fraction, that stands for a quantity, m or N.
+/// A sensor's code, with its fraction, for a quantity in m or N.
 pub fn sensor_code(line: ChannelCalibration, quantity: f64) -> f64 {
     quantity / f64::from(line.per_code) + f64::from(line.zero_code)
 }

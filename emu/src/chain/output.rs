@@ -1,4 +1,4 @@
-//! An external output converter behind SYNC: what each kind does, and its place on the bus.
+//! An external output converter: what each kind implements, and its attachment to the bus.
 
 use super::shift::Shift;
 use rigless::chip::Timeline;
@@ -8,19 +8,19 @@ use std::fmt::Debug;
 
 /// An output converter.
 pub trait Output: Debug + Send {
-    /// A command of 24 bits is in force. Gives what it asks for, which goes out with the next one; 0 if nothing.
+    /// Executes a command of 24 bits. Returns the answer, which is shifted out with the next one; 0 if it asks for none.
     fn execute(&mut self, at_ns: u64, command: u32) -> u32;
 
-    /// LDAC falls: what stood in the input registers by then is shown.
+    /// LDAC falls: the outputs take the codes that were in the input registers by then.
     fn take_over(&mut self, at_ns: u64);
 
-    /// What an output shows, V.
+    /// An output's voltage, V.
     fn volts(&self, output: usize) -> f64;
 
-    /// Codes of the first output since this was last asked, with their times, ns.
+    /// Codes of the first output since the last call, with their times, ns.
     fn commands(&mut self) -> Vec<(u64, u16)>;
 
-    /// Its supply goes and comes back: as after power-up.
+    /// Its supply fails and returns: as after power-up.
     fn lose_power(&mut self);
 
     /// From now on an output stays where it is.
@@ -33,14 +33,14 @@ pub struct OnBus {
     /// The converter.
     pub chip: Box<dyn Output>,
     shift: Shift,
-    /// What the last command asked for.
+    /// Answer to the last command.
     answer: u32,
-    /// The bit of the next command that turns over on its way.
+    /// The bit of the next command that flips in transfer.
     pub turned: Option<u32>,
 }
 
 impl OnBus {
-    /// As after power-up.
+    /// The state after power-up.
     pub fn new(chip: impl Output + 'static) -> Self {
         Self {
             chip: Box::new(chip),

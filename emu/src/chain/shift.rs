@@ -1,5 +1,5 @@
-//! A shift register of 24 bits behind SYNC, as the output converters have it: what was shifted in counts when SYNC rises, and
-//! an answer goes out meanwhile.
+//! The 24-bit shift register of the output converters: what was shifted in takes effect when SYNC rises; meanwhile an answer
+//! is shifted out.
 
 /// The register.
 #[derive(Debug, Default)]
@@ -10,12 +10,12 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// SYNC falls; `answer` goes out.
+    /// SYNC falls; `answer` is to be shifted out.
     pub fn begin(&mut self, answer: u32) {
         (self.into, self.bits, self.out) = (0, 0, answer);
     }
 
-    /// So many bits each way.
+    /// Shifts `bits` bits each way.
     pub fn transfer(&mut self, mosi: u32, bits: u8) -> u32 {
         let mask = (1 << bits) - 1;
         self.into = self.into << bits | mosi & mask;
@@ -25,7 +25,7 @@ impl Shift {
         word
     }
 
-    /// SYNC rises: fewer bits are no command; of more the last 24 count.
+    /// SYNC rises: fewer than 24 bits are no command; of more, the last 24 count.
     pub fn end(&self) -> Option<u32> {
         (self.bits >= 24).then_some(self.into & 0xff_ffff)
     }

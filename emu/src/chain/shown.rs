@@ -1,4 +1,4 @@
-//! What the converters are shown, and when.
+//! The converters' inputs, and an instant.
 
 use link::MAX_ACTUATORS;
 use rigless::time::VirtualNanos;
@@ -15,7 +15,7 @@ pub struct Instant {
     pub instructions: u64,
 }
 
-/// What the rig shows the inputs, in codes of the sensors with their fractions.
+/// What the rig applies to the inputs, in codes of the sensors with their fractions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shown {
     /// Displacement of each actuator.

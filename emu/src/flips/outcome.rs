@@ -1,35 +1,35 @@
-//! What became of a test in which a bit turned over.
+//! What became of a test in which a bit flipped.
 
 use crate::log::{Log, LoggedEvent};
 
-/// So far beyond the largest displacement of the plan the motion is dangerous.
+/// The motion is dangerous beyond this multiple of the plan's largest displacement.
 const BEYOND: f64 = 1.2;
 
-/// PERMIT may be high for so long after the last command, ns: the watchdog's longest time.
+/// How long PERMIT may be high after the last command, ns: the watchdog's longest time.
 const DEAD_NS: u64 = 50_000_000;
 
-/// How long it is watched after a flip, ns, and after PERMIT has fallen.
+/// How long the test is watched after a flip, and after PERMIT has fallen, ns.
 const WATCHED_NS: u64 = 400_000_000;
 const WATCHED_AFTER_PERMIT_NS: u64 = 60_000_000;
 
-/// What became of it, the worst that holds.
+/// What became of it; if several hold, the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Every byte of the record and every position is as without the flip.
+    /// Every byte of the record and every position are as without the flip.
     NoEffect,
-    /// Every position is; something that the board told is not.
+    /// Every position is as without it; something that the board sent is not.
     RecordOnly,
-    /// It moves otherwise, inside 1.2 of the plan, and PERMIT stays.
+    /// The motion differs, within 1.2 times the plan's largest displacement, and PERMIT stays high.
     MovesOtherwise,
-    /// PERMIT falls, and the board goes on.
+    /// PERMIT falls, and the board keeps running.
     Trip,
     /// The chip is reset, with PERMIT low from then on.
     Reset,
-    /// It moves beyond 1.2 of the plan.
+    /// The motion exceeds 1.2 times the plan's largest displacement.
     Beyond,
-    /// PERMIT is high while no command has come out for longer than the watchdog allows, or rises again by itself.
+    /// PERMIT is high without a command for longer than the watchdog allows, or rises again by itself.
     PermitStands,
-    /// The emulator itself ended.
+    /// The emulator ended without a result.
     Unknown,
 }
 
@@ -46,7 +46,7 @@ impl Outcome {
         Self::Unknown,
     ];
 
-    /// In a table.
+    /// Its name in a table.
     pub fn name(self) -> &'static str {
         match self {
             Self::NoEffect => "no effect",
@@ -60,7 +60,7 @@ impl Outcome {
         }
     }
 
-    /// Dangerous.
+    /// Whether it is dangerous.
     pub fn is_dangerous(self) -> bool {
         matches!(self, Self::Beyond | Self::PermitStands | Self::Unknown)
     }
@@ -72,18 +72,18 @@ pub(super) struct Reference {
     pub(super) log: Log,
     /// When the test began, ns.
     pub(super) started_ns: u64,
-    /// What the PC heard, and how much of it by each position of the log.
+    /// What the PC received, and how many bytes of it by each position of the log.
     pub(super) heard: Vec<u8>,
     pub(super) heard_by: Vec<usize>,
 }
 
-/// Watches a test from a flip on.
+/// Watches a test after a flip.
 #[derive(Debug)]
 pub(super) struct Watch {
     flipped_ns: u64,
     first_position: usize,
     first_seen: usize,
-    /// So much of what was seen has been searched for commands.
+    /// How many of the log's events have been searched for commands.
     searched: usize,
     commanded_ns: u64,
     fell_ns: Option<u64>,
@@ -105,9 +105,9 @@ impl Watch {
         }
     }
 
-    /// What there is to see now; true when it has been watched for long enough.
+    /// Looks at the log; returns true when the test has been watched for long enough.
     pub(super) fn look(&mut self, log: &Log, at_ns: u64) -> bool {
-        // The pin that shows a step may be what the bit broke: a loop lives while its commands come out.
+        // The flip may have broken the pin that shows a step: the loop is alive while it writes commands.
         let fresh = log.seen.get(self.searched..).unwrap_or(&[]);
         let last = fresh.iter().rev().find_map(|(at, seen)| match seen {
             LoggedEvent::Command(_) => Some(*at),
@@ -128,7 +128,7 @@ impl Watch {
             || at_ns - self.flipped_ns > WATCHED_NS
     }
 
-    /// What became of it, and how far it went from the plan until PERMIT fell, m.
+    /// What became of it, and its largest deviation from the plan until PERMIT fell, m.
     pub(super) fn outcome(&self, log: &Log, heard: &[u8], plan: &Reference) -> (Outcome, f64) {
         let from = self.first_position;
         let peak_m = farthest_m(&plan.log.position_m);

@@ -1,4 +1,4 @@
-//! A PC that goes by the board's time: it calibrates, configures, loads, arms and starts, and asks for the status. What it
+//! A PC that runs on the board's time: it calibrates, configures, loads, arms and starts, and asks for the status. What it
 //! sends, and when, is the same in every run.
 
 use crate::chain::Converters;
@@ -13,13 +13,13 @@ use std::collections::VecDeque;
 /// Stiffness of the specimen, N/m: with 1000 kg a period of half a second.
 pub(super) const STIFFNESS_N_PER_M: f64 = 158e3;
 
-/// Between two questions for the status, ns.
+/// Interval between two requests for the status, ns.
 const STATUS_NS: u64 = 50_000_000;
 
-/// Without an answer a command is sent again, ns.
+/// Time without an answer after which a command is sent again, ns.
 const TIMEOUT_NS: u64 = 100_000_000;
 
-/// The test: Table 1 of the paper with the limits that a board asks for.
+/// The test: Table 1 of the paper with the limits that a board requires.
 fn config() -> Config {
     let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
     config.limits = Limits {
@@ -42,7 +42,7 @@ fn pulse() -> Vec<f32> {
     risen.chain([0.0; 150]).collect()
 }
 
-/// What the PC does before it only watches.
+/// What the PC sends before it only asks for the status.
 fn commands(converters: Converters) -> VecDeque<Command> {
     let points = pulse();
     let mut all = VecDeque::from([
@@ -69,17 +69,17 @@ pub(super) struct Pc {
     wire: Wire,
     decoder: Decoder,
     commands: VecDeque<Command>,
-    /// The number of the command that waits for its answer, and when it was sent, ns.
+    /// The number of the command that has no answer yet, and when it was sent, ns.
     asked: Option<(u16, u64)>,
     sequence: u16,
     spoke_ns: u64,
-    /// Of the last step that came.
+    /// Mode in the last step received.
     mode: Option<Mode>,
     /// When the board answered the start of the test, ns.
     pub(super) started_ns: Option<u64>,
     /// What the board refused.
     pub(super) refused: Option<String>,
-    /// Every byte that has come.
+    /// Every byte received.
     pub(super) heard: Vec<u8>,
 }
 
@@ -99,7 +99,7 @@ impl Pc {
         }
     }
 
-    /// Its turn: hears what has come, and says what is due.
+    /// Its turn: reads what has been received, and sends what is due.
     pub(super) fn turn(&mut self, at_ns: u64) {
         for byte in self.wire.take() {
             self.heard.push(byte);

@@ -1,21 +1,21 @@
-//! The shares of what became of a test, by what the bit belonged to, and how large the dangerous share may be.
+//! Outcomes of the flips by what the bit belonged to, and an upper bound of the dangerous fraction.
 
 use super::outcome::Outcome;
 use super::target::Target;
 use std::fmt;
 
-/// How sure the bound is.
+/// Confidence level of the bound.
 const SURE: f64 = 0.95;
 
-/// What came of how many flips.
+/// The outcomes of the flips.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// Of each flip: what the bit belonged to, what came of it, and how far it went from the plan while PERMIT was high, m.
+    /// Of each flip: what the bit belonged to, its outcome, and the largest deviation from the plan while PERMIT was high, m.
     pub flips: Vec<(Target, Outcome, f64)>,
 }
 
 impl Table {
-    /// How many flips came to `outcome`, of `target` or of all.
+    /// Number of flips with `outcome`, of `target` or of all.
     pub fn count(&self, target: Option<Target>, outcome: Outcome) -> usize {
         let of = |(from, came, _): &&(Target, Outcome, f64)| {
             target.is_none_or(|target| target == *from) && *came == outcome
@@ -23,14 +23,14 @@ impl Table {
         self.flips.iter().filter(of).count()
     }
 
-    /// How many were dangerous.
+    /// Number of dangerous flips.
     pub fn dangerous(&self) -> usize {
         let came = self.flips.iter();
         came.filter(|(_, outcome, _)| outcome.is_dangerous())
             .count()
     }
 
-    /// How many went further than this from the plan before PERMIT fell, m.
+    /// Number of flips with more than this deviation from the plan before PERMIT fell, m.
     pub fn farther_than(&self, apart_m: f64) -> usize {
         self.flips.iter().filter(|flip| flip.2 > apart_m).count()
     }
@@ -69,14 +69,14 @@ impl fmt::Display for Table {
     }
 }
 
-/// The upper bound of Clopper and Pearson (1934) for a share of which `count` of `all` were seen, one-sided, 95 %: the share
-/// with which so few would be seen in one of twenty. 1 where nothing was looked at.
+/// The one-sided 95 % upper bound of Clopper and Pearson (1934) for a fraction, from `count` of `all` observed: the fraction
+/// at which the probability of so few is 1 in 20. 1 if `all` is 0.
 pub fn upper_bound(count: usize, all: usize) -> f64 {
     if count >= all {
         return 1.0;
     }
     let (mut low, mut high) = (0.0, 1.0);
-    // As fine as a number of 64 bits is.
+    // 60 bisections: to the precision of an f64.
     for _ in 0..60 {
         let share = 0.5 * (low + high);
         if at_most(count, all, share) > 1.0 - SURE {
@@ -88,8 +88,8 @@ pub fn upper_bound(count: usize, all: usize) -> f64 {
     high
 }
 
-/// The chance of at most `count` of `all`, each with the chance `share`, 0 to 1: the sum of the binomial's terms, by their
-/// logarithms.
+/// The probability of at most `count` of `all`, each with probability `share`, 0 to 1: the sum of the binomial terms, by
+/// their logarithms.
 fn at_most(count: usize, all: usize, share: f64) -> f64 {
     let mut term = all as f64 * (-share).ln_1p();
     let mut sum = term.exp();
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_bound_is_that_of_the_tables() {
-        // With none seen it is 1 - 0.05^(1/n); the rule of three.
+        // With none observed it is 1 - 0.05^(1/n), the rule of three.
         for all in [10, 100, 2000] {
             let exact = 1.0 - 0.05_f64.powf(1.0 / all as f64);
             assert!((upper_bound(0, all) - exact).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! Where a bit turns over.
+//! Where a bit flips.
 
 use crate::image::Firmware;
 use crate::registers::KEPT;
@@ -6,20 +6,20 @@ use rand_core::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::ops::Range;
 
-/// What a bit belongs to. Each has the same share of the flips.
+/// What a bit belongs to. Each gets the same number of flips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Target {
-    /// A register that the processor computes with, or its status.
+    /// A core register of the processor, or its status.
     Core,
     /// The stack in use.
     Stack,
-    /// The loop that runs, its constants, and what the control interrupt owns.
+    /// The running loop, its constants, and the control interrupt's own variables.
     Loop,
-    /// Any variable: buffers, queues, the ground motion, what is kept over a reset.
+    /// Any variable: buffers, queues, the ground motion, what is kept through a reset.
     Variables,
     /// The image in the flash.
     Flash,
-    /// A register of a peripheral, the interrupt controller and the memory protection among them.
+    /// A register of a peripheral, including the interrupt controller and the memory protection.
     Peripheral,
     /// A bit on its way from the input converter or to the output converter.
     Bus,
@@ -37,7 +37,7 @@ impl Target {
         Self::Bus,
     ];
 
-    /// In a table.
+    /// Its name in a table.
     pub fn name(self) -> &'static str {
         match self {
             Self::Core => "core registers",
@@ -51,37 +51,37 @@ impl Target {
     }
 }
 
-/// A bit, and when it turns over.
+/// A bit, and when it flips.
 #[derive(Clone, Copy, Debug)]
 pub struct Flip {
     /// ns since power-up.
     pub at_ns: u64,
     /// What it belongs to.
     pub target: Target,
-    /// Which one of that.
+    /// Which bit of it.
     pub place: Place,
 }
 
 /// Which bit.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
-    /// By a number that is taken modulo of the bits of all registers.
+    /// A bit of a core register, by a number modulo the number of bits of all registers.
     Core(u32),
-    /// By a number that is taken modulo of the bits between the stack's pointer and its begin.
+    /// A bit of the stack, by a number modulo the number of bits between the stack pointer and the top of the stack.
     Stack(u32),
-    /// Of a byte of the memory.
+    /// A bit of a byte of memory.
     Memory(u64, u32),
-    /// Of a register of a peripheral.
+    /// A bit of a register of a peripheral.
     Peripheral(u64, u32),
-    /// Of a register of the processor's own peripherals.
+    /// A bit of a register of the processor's own peripherals.
     System(u64, u32),
-    /// Of the next frame from the input converter, the first on the line being 0.
+    /// A bit of the next frame from the input converter; 0 is the first on the line.
     Input(u32),
-    /// Of the next command to the output converter, the last on the line being 0.
+    /// A bit of the next command to the output converter; 0 is the last on the line.
     Output(u32),
 }
 
-/// Ranges of memory in which bits turn over.
+/// Ranges of memory in which bits flip.
 #[derive(Clone, Debug)]
 pub struct Memory {
     loops: Vec<Range<u64>>,
@@ -92,14 +92,14 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Of an image.
+    /// The ranges of an image.
     ///
     /// # Errors
     /// A sentence: the image lacks a symbol.
     pub fn of(firmware: &Firmware) -> Result<Self, String> {
         let variables = firmware.symbol("__sdata")?..firmware.symbol("__euninit")?;
         Ok(Self {
-            // A first test goes into the spare place.
+            // The first test is placed in the spare slot.
             loops: vec![firmware.variable("5SPARE")?, firmware.variable("7CONTROL")?],
             variables: vec![variables],
             flash: firmware.stored(),
@@ -108,8 +108,8 @@ impl Memory {
     }
 }
 
-/// Registers of peripherals that the emulator has models of, beside [`KEPT`]: clocks, serial port, its DMA, embassy's timer,
-/// the flash.
+/// Registers of peripherals that the emulator models, in addition to [`KEPT`]: clocks, the flash, serial port, its DMA,
+/// embassy's timer, SPI3, the ports' outputs.
 const FURTHER: [u64; 20] = [
     0x4002_3800, // RCC_CR
     0x4002_3804, // RCC_PLLCFGR
@@ -133,7 +133,7 @@ const FURTHER: [u64; 20] = [
     0x4002_1414, // GPIOF_ODR
 ];
 
-/// Of the processor: interrupts enabled and their priorities, vectors, coprocessor, lazy stacking, memory protection, faults.
+/// Of the processor: enabled interrupts and their priorities, vectors, coprocessor, lazy stacking, memory protection, faults.
 const SYSTEM: [u64; 16] = [
     0xe000_e100,
     0xe000_e104,
@@ -153,7 +153,7 @@ const SYSTEM: [u64; 16] = [
     0xe000_ef34,
 ];
 
-/// Bits that a register has.
+/// Number of bits of a register.
 fn bits(register: u64) -> u32 {
     match register {
         // ARR and CCR of TIM2 have 32.
@@ -174,7 +174,7 @@ fn one_of<T: Copy>(dice: &mut Xoshiro256PlusPlus, all: &[T]) -> T {
     all[below(dice, all.len() as u64) as usize]
 }
 
-/// A bit of one of `ranges`, each as likely.
+/// A bit of one of `ranges`, all equally likely.
 fn memory(dice: &mut Xoshiro256PlusPlus, ranges: &[Range<u64>]) -> Place {
     let bytes = ranges.iter().map(|range| range.end - range.start).sum();
     let mut byte = below(dice, bytes);
@@ -191,7 +191,7 @@ fn memory(dice: &mut Xoshiro256PlusPlus, ranges: &[Range<u64>]) -> Place {
 }
 
 impl Place {
-    /// Some bit of `target`.
+    /// Draws a bit of `target`.
     pub fn draw(target: Target, from: &Memory, dice: &mut Xoshiro256PlusPlus) -> Self {
         match target {
             Target::Core => Self::Core(dice.next_u32()),

@@ -1,4 +1,4 @@
-//! A test on the emulated board, from which a process of its own goes off at each flip.
+//! A test on the emulated board, which forks a process at each flip.
 
 use super::outcome::{Outcome, Reference, Watch};
 use super::pc::{Pc, STIFFNESS_N_PER_M};
@@ -25,42 +25,42 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The converters of the image that is for oil.
+/// The converters of the image for hydraulic rigs.
 const CONVERTERS: Converters = Converters::External;
 
-/// Bits turn over for so long from the start of the test on, ns, and the test without a flip runs for so long.
+/// How long after the start of the test bits flip, and how long the test without a flip runs, ns.
 const FLIPS_NS: u64 = 700_000_000;
 const TEST_NS: u64 = 1_150_000_000;
 
-/// The control step lies here in its period, ns behind the sample; every second bit turns over in it.
+/// Where the control step is in its period, ns after the sample; half of the flips are drawn in it.
 const STEP_NS: (u64, u64) = (5_000, 60_000);
 const PERIOD_NS: u64 = 500_000;
 
-/// How fast the valve lets the actuator go, m/s.
+/// Largest velocity that the valve allows, m/s.
 const VALVE_M_PER_S: f64 = 2.0;
 
-/// A copy that has not come to its end after so much of a processor has hung, s: however busy the machine is.
+/// Processor time after which a copy counts as hung, s; it does not depend on how busy the machine is.
 const HUNG_S: u64 = 300;
 
-/// How many flips, which, and in how many processes at once.
+/// How many flips, which, and in how many simultaneous processes.
 #[derive(Clone, Copy, Debug)]
 pub struct Trials {
     /// Number of flips.
     pub flips: usize,
-    /// Of the dice.
+    /// Seed of the random draw.
     pub seed: u64,
     /// Copies that run at once.
     pub jobs: usize,
-    /// Only bits of this.
+    /// Only bits of this target.
     pub only: Option<Target>,
-    /// Only the flip of this number, in the order of their instants from 0 on.
+    /// Only the flip of this number, from 0 in order of time.
     pub number: Option<usize>,
 }
 
-/// Runs them on an image. `tell` hears of each, with what turned over.
+/// Runs them on an image. `tell` receives a line for each, with the bit that flipped.
 ///
 /// # Errors
-/// A sentence: the image is none that can be run, the board refused the test, or a process could not be made.
+/// A sentence: the image cannot be run, the board refused the test, or a process could not be created.
 pub fn run(
     firmware: &Firmware,
     trials: &Trials,
@@ -89,7 +89,7 @@ pub fn run(
     std::mem::replace(&mut *ended, Ok(Table::default()))
 }
 
-/// Which bits turn over, and when: as many of each target, and half of them while the step runs.
+/// Which bits flip, and when: equally many of each target; half of them are drawn while the step runs.
 fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(trials.seed);
     let window = plan.started_ns..plan.started_ns + FLIPS_NS;
@@ -119,7 +119,7 @@ fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
     flips.into()
 }
 
-/// One test, as far as `role` takes it.
+/// One test, until `role` ends it.
 fn trial(firmware: &Firmware, role: Role) -> Result<(), String> {
     let text =
         "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n";
@@ -152,26 +152,26 @@ fn trial(firmware: &Firmware, role: Role) -> Result<(), String> {
 
 /// What a test is run for.
 enum Role {
-    /// To be compared with.
+    /// The reference for the comparison.
     Reference(Arc<Mutex<Reference>>),
-    /// To be copied at each flip.
+    /// The test that is copied at each flip.
     Original(Original),
-    /// To see what becomes of a flip.
+    /// A copy that shows what becomes of a flip.
     Copy {
         watch: Watch,
         plan: Arc<Reference>,
-        /// Where it tells what came of it.
+        /// Where it writes the outcome.
         told: File,
     },
 }
 
-/// The process that is copied.
+/// The process that is forked.
 struct Original {
     flips: VecDeque<Flip>,
     memory: Memory,
     plan: Arc<Reference>,
     jobs: usize,
-    /// Of the first flip.
+    /// Number of the first flip.
     number: usize,
     copies: VecDeque<Running>,
     table: Table,
@@ -230,7 +230,7 @@ impl Original {
         Ok(())
     }
 
-    /// Nothing is left to flip.
+    /// No flips are left.
     fn end(&mut self) {
         while !self.copies.is_empty() {
             if let Err(sentence) = self.wait() {
@@ -247,10 +247,10 @@ impl Original {
     }
 }
 
-/// A copy of this process, with a file between the two. `None` in the copy.
+/// Forks this process, with a pipe between the two. `None` in the copy.
 fn copy() -> Result<(Option<Pid>, File), String> {
     let (from, to) = pipe().map_err(|e| e.to_string())?;
-    // SAFETY: of this process's threads the copy has the emulator's alone. The others wait for it and hold no lock.
+    // SAFETY: of this process's threads the copy has only the emulator's. The others wait for it and hold no lock.
     match unsafe { fork() }.map_err(|e| e.to_string())? {
         ForkResult::Parent { child } => Ok((Some(child), File::from(from))),
         ForkResult::Child => Ok((None, File::from(to))),
@@ -258,7 +258,7 @@ fn copy() -> Result<(Option<Pid>, File), String> {
 }
 
 impl Trial {
-    /// A flip is due: a copy goes off with it.
+    /// A flip is due: forks a copy for it.
     fn flip(&mut self, session: &mut Session<Nucleo>, host: &mut dyn Host, stop: Stop) {
         let Role::Original(original) = &mut self.role else {
             return;
@@ -282,7 +282,7 @@ impl Trial {
             });
             return;
         }
-        // Where there is no limit a copy that hangs is waited for.
+        // If the limit cannot be set, a copy that hangs is waited for.
         let _ = setrlimit(Resource::RLIMIT_CPU, HUNG_S, HUNG_S);
         let (plan, stack_top) = (Arc::clone(&original.plan), original.memory.stack_top);
         let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
@@ -326,7 +326,7 @@ impl Trial {
         }
     }
 
-    /// Whether the run has come to its end.
+    /// Whether the run is over.
     fn is_over(&mut self, at_ns: u64) -> bool {
         let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
         match &mut self.role {
@@ -354,7 +354,7 @@ impl Trial {
                 if watch.look(&log, at_ns) {
                     let (outcome, apart_m) = watch.outcome(&log, &self.pc.heard, plan);
                     let place = Outcome::ALL.iter().position(|o| *o == outcome);
-                    // Where it cannot be told it is unknown.
+                    // If it cannot be written, the outcome is unknown.
                     let _ = writeln!(told, "{} {apart_m}", place.unwrap_or(usize::MAX));
                     std::process::exit(0);
                 }
@@ -379,7 +379,7 @@ impl Driver<Nucleo> for Trial {
             Role::Original(original) => original.flips.front().map(|flip| flip.at_ns),
             Role::Reference(_) | Role::Copy { .. } => None,
         };
-        // Neither laboratory nor PC has a turn at a flip: they would have none without it.
+        // A flip gives neither laboratory nor PC a turn, since they would have none without it.
         let mut flips = false;
         while due(&self.role).is_some_and(|at_ns| at_ns <= stop.at.0) {
             self.flip(session, host, stop);

@@ -1,13 +1,13 @@
-//! The board's time by the clock on the wall: no faster than a board's own, for a picture that somebody watches.
+//! Keeps the board's time to the wall clock, no faster than a real board, for a live view.
 
 use std::time::{Duration, Instant};
 
-/// How far the board may be ahead of the wall before it waits: below this a sleep is no use.
+/// How far the board may be ahead of the wall clock before it waits: a shorter sleep is of no use.
 const AHEAD: Duration = Duration::from_millis(4);
-/// What it has fallen behind by more than this is lost, and not caught up at a rush.
+/// If it falls behind by more than this, the time is lost and not caught up.
 const BEHIND: Duration = Duration::from_millis(20);
 
-/// A moment at which both clocks showed these times.
+/// An instant at which the two clocks showed these times.
 #[derive(Debug)]
 pub(super) struct WallClock {
     at: Instant,
@@ -15,7 +15,7 @@ pub(super) struct WallClock {
 }
 
 impl WallClock {
-    /// Both begin now, at power-up.
+    /// Both start now, at power-up.
     pub(super) fn new() -> Self {
         Self {
             at: Instant::now(),
@@ -23,7 +23,7 @@ impl WallClock {
         }
     }
 
-    /// Waits where the board, ns after power-up, is ahead.
+    /// Waits if the board, `board_ns` after power-up, is ahead.
     pub(super) fn keep(&mut self, board_ns: u64) {
         std::thread::sleep(self.due(board_ns, Instant::now()));
     }
@@ -50,7 +50,7 @@ mod tests {
         let began = clock.at;
         assert_eq!(clock.due(3_000_000, began), Duration::ZERO);
         assert_eq!(clock.due(10_000_000, began + after(2)), after(8));
-        // 10 ms late are caught up.
+        // A delay of 10 ms is caught up.
         assert_eq!(clock.due(20_000_000, began + after(30)), Duration::ZERO);
         assert_eq!(clock.due(40_000_000, began + after(32)), after(8));
         // A second is not.

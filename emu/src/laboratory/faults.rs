@@ -1,4 +1,4 @@
-//! What goes wrong in the laboratory, and what a reset does to it.
+//! Faults in the laboratory, and what a reset does to it.
 
 use super::Laboratory;
 use super::pins::{BUTTON, drive, stop_contact};
@@ -15,33 +15,33 @@ use rigless::time::VirtualNanos;
 /// Added to the number of a drill, see the firmware's `drill`.
 const DRILL_MAGIC: u32 = 0x4452_4c00;
 
-/// The data register of the serial interface that the input converter is on.
+/// Data register of the input converter's serial interface.
 const SPI1_DR: u64 = 0x4001_300c;
 
-/// A bit that TIM2's period does not have at 2 kHz: with it 107 536 ticks in place of 42 000.
+/// A bit that is clear in TIM2's period at 2 kHz: set, it makes 107 536 ticks of 42 000.
 const SLOW_BIT: u32 = 16;
-/// One that it has: without it 33 808.
+/// A bit that is set in it: cleared, it makes 33 808.
 const FAST_BIT: u32 = 13;
 
 /// GPIOEEN in RCC_AHB1ENR.
 const PORT_E_CLOCK_BIT: u32 = 4;
 
-/// Control steps in a turn of 50 Hz at 2 kHz.
+/// Control steps in a cycle of 50 Hz at 2 kHz.
 const HUM_STEPS: u64 = 40;
 
-/// A person keeps a button pressed for so long.
+/// How long a person keeps a button pressed, control steps.
 const PRESSED_STEPS: u64 = 600;
 
-/// A burst of noise on the force, as a share of the converter's range to either side.
+/// Amplitude of a noise burst on the force, as a fraction of the converter's range.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
 
-/// So many points are looked at for one.
+/// Number of points among which the one to corrupt is chosen.
 const POINTS_AHEAD: usize = 400;
 
-/// A bit that turns over in a point of the ground motion makes it wrong by no more than this, m/s^2: more is beyond the limits at once.
+/// Largest error of a bit flip in a point of the ground motion, m/s^2: a larger one exceeds the limits at once.
 const POINT_OFF: f32 = 6.0;
 
-/// Turns over the bit of an exponent, of all the `points`, that is off by most of [`POINT_OFF`] then.
+/// Flips the exponent bit, of all the `points`, that gives the largest error below [`POINT_OFF`].
 fn turn_over_point(host: &mut dyn Host, points: impl Iterator<Item = u64>) {
     let value = |word: u64| f32::from_bits(word as u32);
     let (mut worst, mut most) = (None, 0.0);
@@ -63,15 +63,15 @@ fn turn_over_point(host: &mut dyn Host, points: impl Iterator<Item = u64>) {
 }
 
 impl Laboratory {
-    /// What the sensors show with what is wrong with them.
+    /// The sensors' readings with the active fault.
     pub(super) fn disturbed(&mut self, mut shown: Shown) -> Shown {
         let top = f64::from(self.chain.converters().widths().sensor_top);
         let middle = (top / 2.0).ceil();
-        // One code up, one down, by a sequence that repeats after seven steps.
+        // At most one code up or down, in a sequence that repeats after seven steps.
         let noise = [0.0, 1.0, -1.0, 1.0, 0.0, -1.0, 0.0][(self.steps % 7) as usize];
         let gone = !self.steps.is_multiple_of(3);
         shown.known_noise = noise;
-        // What stands from the first sample on stands where that is.
+        // A sensor frozen from the start freezes at the first sample.
         if self.steps == 0 {
             self.frozen = shown;
         }
@@ -145,7 +145,7 @@ impl Laboratory {
         shown
     }
 
-    /// Hum of 50 Hz, of an amplitude of 1.
+    /// Hum of 50 Hz with amplitude 1.
     fn hum(&self) -> f64 {
         let turn = (self.steps % HUM_STEPS) as f64 / HUM_STEPS as f64;
         (std::f64::consts::TAU * turn).sin()
@@ -169,7 +169,7 @@ impl Laboratory {
         self.harm(planned.fault, session, stop, host);
     }
 
-    /// What a fault does once, when it comes.
+    /// The immediate effect of a fault.
     fn harm(
         &mut self,
         fault: InjectedFault,
@@ -192,7 +192,7 @@ impl Laboratory {
                 session.reset_by_pin(stop.at, stop.instruction_count, host);
                 self.pins_float(session, stop.at);
             }
-            // Memory of the chip: it is there.
+            // Memory of the chip, which always exists: the result is dropped.
             InjectedFault::Drill(number) => drop(host.write(
                 self.drill_address,
                 Width::W32,
@@ -234,7 +234,7 @@ impl Laboratory {
                 self.pins_float(session, stop.at);
             }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
-            // Seen in what the sensors show and where the rig goes.
+            // These act through the sensors' readings and the rig's motion.
             InjectedFault::SensorAtRail
             | InjectedFault::FrozenSensor
             | InjectedFault::NoiseBurst

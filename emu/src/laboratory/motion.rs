@@ -1,4 +1,4 @@
-//! The rig's part of a period: the commands of its actuators, where they go, and what its sensors show of it.
+//! The rig's part of a period: the actuators' commands, their motion, and the sensors' readings.
 
 use super::Laboratory;
 use crate::chain::{self, Converters, Shown};
@@ -7,12 +7,12 @@ use crate::nucleo::Nucleo;
 use link::MAX_ACTUATORS;
 use rigless::session::Session;
 
-/// A rig that sinks comes to rest at this share of its stroke.
+/// A rig that sinks comes to rest at this fraction of its stroke.
 const SUNK_SHARE: f64 = 0.6;
 
 impl Laboratory {
-    /// One step of the rig, which moves only on a closed contact; gives the codes of its sensors. A pin that floats tells
-    /// the worst, the end of the stroke.
+    /// One step of the rig, which moves only on a closed contact; returns the codes of its sensors. A floating pin commands
+    /// the worst: the lower end of the stroke.
     pub(super) fn step_rig(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -73,8 +73,8 @@ impl Laboratory {
         shown
     }
 
-    /// Each output is wired to the displacement and the force of its actuator, with external converters to the second displacement,
-    /// too. An output that is off stands where two resistors hold it, in the middle.
+    /// Each output is wired to the displacement and the force of its actuator; with external converters for one actuator, also to
+    /// the second displacement. Two resistors hold an output that is off in the middle.
     fn wired_shown(&mut self, pins: [Option<u16>; MAX_ACTUATORS]) -> Shown {
         let codes = self.chain.converters().widths();
         let [sensor_top, command_top] = [codes.sensor_top, codes.command_top].map(f64::from);

@@ -1,4 +1,4 @@
-//! The board's pins that the laboratory moves or looks at.
+//! The board's pins that the laboratory drives or reads.
 
 use crate::nucleo::Nucleo;
 use rigless::device::Level;
@@ -16,7 +16,7 @@ const PORT_E: usize = 4;
 /// The blue button, by port and pin.
 pub(super) const BUTTON: (usize, u8) = (2, 13);
 
-/// The emergency stop's contact: closed to ground, or open, and the pull-up decides.
+/// The emergency stop's contact: closed to ground, or open, so that the pull-up decides.
 pub(super) fn stop_contact(session: &mut Session<Nucleo>, at: VirtualNanos, closed: bool) {
     drive(
         session,
@@ -26,7 +26,7 @@ pub(super) fn stop_contact(session: &mut Session<Nucleo>, at: VirtualNanos, clos
     );
 }
 
-/// The contact of the permission's chain: closed to the supply, or open, and the pull-down decides.
+/// The contact of the permission chain: closed to the supply, or open, so that the pull-down decides.
 pub(super) fn chain_contact(session: &mut Session<Nucleo>, at: VirtualNanos, closed: bool) {
     drive(
         session,
@@ -36,7 +36,7 @@ pub(super) fn chain_contact(session: &mut Session<Nucleo>, at: VirtualNanos, clo
     );
 }
 
-/// Drives a pin from outside, or lets it go.
+/// Drives a pin from outside, or releases it.
 pub(super) fn drive(
     session: &mut Session<Nucleo>,
     at: VirtualNanos,

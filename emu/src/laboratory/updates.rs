@@ -1,4 +1,4 @@
-//! The updates of TIM2: the first, and those by software.
+//! Updates of TIM2: the first, and those by software.
 
 use super::Laboratory;
 use super::timer::Sampling;
@@ -10,7 +10,7 @@ use rigless::session::Session;
 use rigless::soc::stm32f427::peripherals::rcc::Apb;
 use rigless::time::VirtualNanos;
 
-/// What the timer sends to others.
+/// The timer's trigger output.
 const MMS: u64 = 7 << 4;
 
 impl Laboratory {
@@ -31,8 +31,8 @@ impl Laboratory {
         self.sampling = Some(sampling);
     }
 
-    /// An update by software is an update: it restarts the count, and leaves the timer as a trigger, under the reset value
-    /// of MMS too.
+    /// An update by software counts as an update: it restarts the count and is sent out as a trigger, also with the reset value
+    /// of MMS.
     pub(super) fn update_by_software(
         &mut self,
         session: &mut Session<Nucleo>,

@@ -1,4 +1,4 @@
-//! What is recorded beside the control path: ADC2 behind TIM2, three ranks.
+//! Inputs recorded outside the control path: ADC2, triggered by TIM2, three ranks.
 
 use super::*;
 

@@ -1,19 +1,19 @@
-//! What the chip's clock and reset lines do to the registers of its peripherals: without its clock a peripheral takes no write,
-//! and its reset line puts it back. RM0090 section 6.3.
+//! Effect of the chip's clock and reset lines on the registers of its peripherals: without its clock a peripheral ignores
+//! writes, and its reset line restores its reset state. RM0090 section 6.3.
 
 use std::ops::Range;
 
-/// RCC's reset registers; the enable register of each is [`TO_ENABLE`] behind it.
+/// RCC's reset registers; the enable register of each is [`TO_ENABLE`] after it.
 const AHB1RSTR: u64 = 0x4002_3810;
 const APB1RSTR: u64 = 0x4002_3820;
 const APB2RSTR: u64 = 0x4002_3824;
 const TO_ENABLE: u64 = 0x20;
 
-/// A line of a reset register: the register, bits of its reset, bits of which one gives it its clock, and the addresses of the
-/// peripheral.
+/// A reset line: the reset register, the reset bit, the enable bits (one is enough for a clock), and the peripheral's
+/// addresses.
 type Line = (u64, u64, u64, Range<u64>);
 
-/// Those with registers that are kept. The three ADCs have one reset and a clock each; ADC3 is not used.
+/// Lines of the peripherals whose registers are kept. The three ADCs share one reset and have a clock each; ADC3 is not used.
 const LINES: [Line; 13] = [
     (AHB1RSTR, 1, 1, 0x4002_0000..0x4002_0400),
     (AHB1RSTR, 1 << 1, 1 << 1, 0x4002_0400..0x4002_0800),
@@ -30,19 +30,19 @@ const LINES: [Line; 13] = [
     (APB2RSTR, 1 << 12, 1 << 12, 0x4001_3000..0x4001_3400),
 ];
 
-/// An address at which clocks are switched.
+/// Whether the address is a clock enable register.
 pub(super) fn is_enable(address: u64) -> bool {
     let resets = [AHB1RSTR, APB1RSTR, APB2RSTR];
     resets.iter().any(|reset| reset + TO_ENABLE == address)
 }
 
-/// What a write puts back: the addresses of the peripherals whose reset it sets.
+/// Addresses of the peripherals that a write resets.
 pub(super) fn put_back(address: u64, value: u64) -> impl Iterator<Item = Range<u64>> {
     let hit = move |line: &&Line| line.0 == address && value & line.1 != 0;
     LINES.iter().filter(hit).map(|line| line.3.clone())
 }
 
-/// Whether the peripheral at `address` takes a write, with its enable register by `read`.
+/// Whether the peripheral at `address` accepts a write; `read` gives its enable register.
 pub(super) fn is_clocked(address: u64, read: impl Fn(u64) -> u64) -> bool {
     let line = LINES.iter().find(|line| line.3.contains(&address));
     line.is_none_or(|(reset, _, clocks, _)| read(reset + TO_ENABLE) & clocks != 0)

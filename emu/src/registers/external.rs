@@ -1,4 +1,4 @@
-//! External converters: an AD7606 behind TIM2 and SPI1, an AD5761R or an AD5754R behind TIM4 and SPI3.
+//! External converters: an AD7606 on TIM2 and SPI1, an AD5761R or an AD5754R on TIM4 and SPI3.
 
 use super::*;
 
@@ -49,7 +49,7 @@ pub const SAMPLING: [Demand; 7] = [
     PRESCALER,
 ];
 
-/// Without these the conversions are not read, or not at their time.
+/// Without these the conversions are not read, or not in time.
 pub const READING: [Demand; 14] = [
     demand(
         "TIM2_CCMR2.CC4S",
@@ -151,7 +151,7 @@ pub const READING: [Demand; 14] = [
     ),
 ];
 
-/// Without these the output never takes a command over, or not at its instant.
+/// Without these the output never takes a command, or not at its instant.
 pub const OUTPUT: [Demand; 15] = [
     FOLLOWS,
     STARTED,
@@ -236,7 +236,7 @@ pub const OUTPUT: [Demand; 15] = [
     ),
 ];
 
-/// The same with three actuators, whose commands take longer to be worked out and written.
+/// The same with three actuators, whose commands take longer to compute and write.
 pub const OUTPUT_OF_THREE: [Demand; OUTPUT.len()] = {
     let mut all = OUTPUT;
     let mut i = 0;

@@ -1,4 +1,4 @@
-//! The chip's own converters: ADC1 behind TIM2, the DAC behind TIM4.
+//! The chip's own converters: ADC1 triggered by TIM2, the DAC by TIM4.
 
 use super::*;
 
@@ -68,7 +68,7 @@ pub const SAMPLING: [Demand; 11] = [
 /// Four ranks: channels 3, 10, 10, 3.
 const JSQR: u64 = 3 << 20 | 3 << 15 | 10 << 10 | 10 << 5 | 3;
 
-/// Without these a sensor is not what it seems.
+/// Without these a sensor's reading is wrong.
 pub const PINS: [Demand; 2] = [
     demand(
         "GPIOA_MODER.PA3",
@@ -86,7 +86,7 @@ pub const PINS: [Demand; 2] = [
     ),
 ];
 
-/// Without these the output never takes a command over, or not at its instant.
+/// Without these the output never takes a command, or not at its instant.
 pub const OUTPUT: [Demand; 11] = [
     FOLLOWS,
     STARTED,

@@ -1,8 +1,9 @@
-//! The registers that the analogue path and the guards hang on, as the image writes them, and what they must hold before
-//! the first trigger: with the chip's own converters ([`internal`]), with external ones ([`external`]), and with both. By RM0090 rev 19; names are the manual's.
+//! The registers that the analogue path and the guards depend on, as the image writes them, and what they must hold before
+//! the first trigger: with the chip's own converters ([`internal`]), with external ones ([`external`]), for the inputs outside
+//! the control path ([`beside`]), and always ([`GUARDS`]). By RM0090 rev 19; names are the manual's.
 //!
-//! The emulator has no DAC, no external interrupts and no trigger lines between timers and converters. What the image
-//! writes into their registers is kept here, and the laboratory acts by it.
+//! The emulator has no DAC, no external interrupts and no trigger lines between timers and converters. What the image writes
+//! into their registers is kept here, and the laboratory acts on it.
 
 pub mod beside;
 mod clocks;
@@ -63,7 +64,7 @@ pub const GPIOF_MODER: u64 = 0x4002_1400;
 pub const GPIOF_BSRR: u64 = 0x4002_1418;
 pub const DBGMCU_APB1_FZ: u64 = 0xe004_2008;
 
-/// DBG_IWDG_STOP: the watchdog stands while a debugger halts the core.
+/// DBG_IWDG_STOP: the watchdog stops while a debugger halts the core.
 const WATCHDOG_STANDS: u64 = 1 << 12;
 
 /// Every register that is kept.
@@ -115,7 +116,7 @@ pub(crate) const KEPT: [u64; 45] = [
     DBGMCU_APB1_FZ,
 ];
 
-/// A field of a register, what it must hold, and what fails on the metal where it does not.
+/// A field of a register, what it must hold, and what fails on the hardware otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Demand {
     /// Register and field.
@@ -146,7 +147,7 @@ const fn demand(
     }
 }
 
-// The timers, with whichever converters: TIM2 samples, TIM4 hands the command over.
+// The timers, for all converters: TIM2 samples, TIM4 loads the command.
 
 const UPDATE_LEAVES: Demand = demand(
     "TIM2_CR2.MMS",
@@ -195,7 +196,7 @@ const EDGE: Demand = demand(
     "TIM4's compare makes no edge: the command is not shown at its instant",
 );
 
-/// Without these a guard is not what it seems, with whichever converters.
+/// Without these a guard does not work; for all converters.
 pub const GUARDS: [Demand; 9] = [
     demand(
         "GPIOE_MODER.PE9",
@@ -286,7 +287,7 @@ impl std::fmt::Display for Violation {
     }
 }
 
-/// A write of the image that goes wrong on its way: the image with this one register wrong.
+/// Corrupts the image's writes to one register: the image with this register wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mutant {
     /// The register.
@@ -298,7 +299,7 @@ pub struct Mutant {
 }
 
 impl Mutant {
-    /// What becomes of `value`, written to `address`.
+    /// What `value`, written to `address`, becomes.
     pub fn of(&self, address: u64, value: u64) -> u64 {
         if address == self.address {
             value & !self.clear | self.set
@@ -313,7 +314,7 @@ impl Mutant {
 pub struct Registers(HashMap<u64, u64>);
 
 impl Registers {
-    /// A write, of a whole register; returns whether its peripheral has its clock, and so takes it.
+    /// Writes a whole register; returns whether its peripheral has its clock and so accepts the write.
     pub fn write(&mut self, address: u64, value: u64) -> bool {
         for peripheral in clocks::put_back(address, value) {
             self.0.retain(|kept, _| !peripheral.contains(kept));
@@ -325,8 +326,8 @@ impl Registers {
         takes
     }
 
-    /// What the register holds; reset values are zero but for what debugging needs of ports A and B, and for what a debugger has
-    /// left: no reset takes that back.
+    /// What the register holds. Reset values are zero except for the debug pins of ports A and B, and for what a debugger has
+    /// left, which no reset clears.
     pub fn read(&self, address: u64) -> u64 {
         let at_reset = match address {
             GPIOA_MODER => 0xa800_0000,
@@ -337,7 +338,7 @@ impl Registers {
         self.0.get(&address).copied().unwrap_or(at_reset)
     }
 
-    /// As after a reset.
+    /// Resets all registers.
     pub fn reset(&mut self) {
         self.0.clear();
     }
@@ -353,7 +354,7 @@ impl Registers {
         })
     }
 
-    /// All demands of a list are met.
+    /// Whether all demands of a list are met.
     pub fn meet(&self, demands: &[Demand]) -> bool {
         self.violations(demands).next().is_none()
     }

@@ -9,7 +9,7 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate, status};
 use std::path::Path;
 
-/// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.
+/// An emulated board calibrated to the rig of `experiment`, unattended.
 fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
     let plan = PlannedMotion::of(experiment, ideal);
     let limits = plan.without_board(&experiment.test.config.limits);
@@ -21,8 +21,8 @@ fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
     BoardBench::new(connection, plan, Operator::not_asked())
 }
 
-/// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again. And how
-/// the board is behind it.
+/// Runs the test of `experiment` on that board with its own compensation; every step is received and recomputed. Also returns
+/// the board's status afterwards.
 pub fn run(experiment: &Experiment, ideal: &Response) -> (JudgedRun, Status) {
     let method = experiment.test.compensation();
     let bench = bench(experiment, ideal);

@@ -1,12 +1,12 @@
-//! What the rig watch takes of the processor of an emulated board.
+//! Processor load of the rig watch on an emulated board.
 
 use link::Status;
 
 /// Control steps in a block at 2 kHz.
 const STEPS_IN_BLOCK: u8 = 4;
 
-/// Of the time of a block what judging it took in the mean and at most, all actuators together and interrupts in between included,
-/// per cent.
+/// Mean and worst time to judge a block, for all actuators together and including interrupts, as a percentage of the block's
+/// duration.
 pub fn of_the_watch(status: &Status) -> [f64; 2] {
     let watch = status.watch.as_ref().expect("it is watched");
     let cycles = f64::from(status.timing.period_cycles) * f64::from(STEPS_IN_BLOCK);

@@ -1,4 +1,4 @@
-//! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
+//! What ends the program, or should: each leaves PERMIT low, the command held, and the reason readable.
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
 use emu::nucleo::HEALTHY_MV;
@@ -14,10 +14,10 @@ const MS: u64 = 1_000_000;
 /// The background looks for a drill ten times a second.
 const NOTICED_NS: u64 = 100 * MS;
 
-/// The watchdog's 25 ms at its clock's slowest.
+/// The watchdog's 25 ms at its slowest clock.
 const WATCHDOG_NS: u64 = 50 * MS;
 
-/// Places of the stack's end in a frame of the drill, 80 bytes, eight bytes apart.
+/// Positions of the stack's end within a frame of the drill, 80 bytes, in steps of eight bytes.
 const PLACES: u32 = 10;
 
 /// A fault in the middle of a test, 0.3 s after PERMIT came.
@@ -51,7 +51,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
         (StartCause::Watchdog, Mode::Idle)
     );
     assert!(!status.permit);
-    // The specimen stands where the last command put it, and the converter begins there again.
+    // The specimen is where the last command put it, and the converter starts there again.
     let first = course.first_after_reset.expect("the board started again");
     assert!(
         first.abs_diff(course.held) <= 3 * fine(),
@@ -69,8 +69,8 @@ fn words(status: &Status) -> &CrashReport {
     status.last_crash.as_ref().expect("a crash report")
 }
 
-/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is reported. Gives the
-/// program's crash report.
+/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is reported. Returns the
+/// text of the crash report.
 fn dies_at_once(drill: u32, cause: CrashCause) -> String {
     let (course, status) = crash(drill);
     let after = course.permit_low_ns - course.fault_ns;
@@ -116,7 +116,7 @@ fn a_supply_that_falls() {
     assert_eq!(text, "the supply fell below 2.9 V");
 }
 
-/// The watchdog's clock is good to a factor of two: at its slowest and at its fastest a test runs, and a hang ends.
+/// The watchdog's clock is accurate to a factor of two: at its slowest and at its fastest a test runs, and a hang ends.
 #[test]
 fn the_watchdogs_clock_at_both_ends_of_its_range() {
     for lsi_hz in [17_000, 47_000] {
@@ -140,19 +140,19 @@ fn an_exhausted_stack() {
     dies_at_once(3, CrashCause::StackOverflow);
 }
 
-/// A debugger has set the core to halt at faults, and is gone: with PERMIT high none does, and the way out is the program's.
+/// A debugger has set the core to halt at faults and has gone: with PERMIT high no fault halts it, and the program handles it.
 #[test]
 fn a_debugger_that_wanted_to_see_faults_halts_none_with_permit() {
     const DEMCR: u64 = 0xe000_edfc;
     /// VC_HARDERR and VC_BUSERR (ARMv7-M, C1.6.5).
     const HALTS: [u32; 2] = [10, 8];
-    /// What the cycle counter needs.
+    /// Needed by the cycle counter.
     const TRACE: u64 = 1 << 24;
     let (mut desk, processor) = Desk::running_looked_into();
     processor.look_at([DEMCR]);
     for bit in HALTS {
         processor.turn_over_system(DEMCR, bit);
-        // What it sends comes in bundles.
+        // Telemetry arrives in bundles.
         for _ in 0..100 {
             desk.step();
         }
@@ -160,16 +160,16 @@ fn a_debugger_that_wanted_to_see_faults_halts_none_with_permit() {
     }
 }
 
-/// The fault status in such words has a bit of the memory protection unit, and none of the bus, which on this chip need not
-/// answer below the memory with a fault.
+/// The fault status in the report has a bit of the memory protection unit and none of the bus: on this chip the bus need not
+/// fault below the memory.
 fn refused_by_memory_protection(text: &str) -> bool {
     let status = text.split("CFSR 0x").nth(1);
     let status = status.and_then(|digits| u32::from_str_radix(digits, 16).ok());
     status.is_some_and(|status| status & 0xff != 0 && status & 0xff00 == 0)
 }
 
-/// Wherever the end of the stack comes to lie in a frame. In one place of ten the emulated chip once went on as if nothing had
-/// happened: nothing below the memory ended in a fault there, and what the drill looked at came back as zero.
+/// At every position of the stack's end in a frame. At one of ten the emulated chip once went on as if nothing had happened:
+/// accesses below the memory did not fault there, and the drill read zero.
 #[test]
 fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
     if crate::IMAGE != Image::Internal {
@@ -213,7 +213,7 @@ fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
 fn a_starved_task_trips_the_test_before_the_watchdog_resets() {
     let (course, status) = crash(4);
     let after = course.permit_low_ns - course.fault_ns;
-    // Noticed, then the timeout of a task.
+    // The time to notice it, and the timeout of a task.
     assert!(after <= 2 * NOTICED_NS + 2 * PERIOD_NS, "{after} ns");
     assert!(
         course
@@ -225,7 +225,7 @@ fn a_starved_task_trips_the_test_before_the_watchdog_resets() {
     let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
     assert!(reset <= WATCHDOG_NS, "{reset} ns");
     let last = words(&status);
-    // Tripped before the reset, and so soon by nothing but Fault::Starved: a lost link takes half a second.
+    // Tripped before the reset. Only Fault::Starved trips so soon: a lost link takes half a second.
     assert_eq!(
         (last.cause, last.mode),
         (CrashCause::Starved, Mode::Tripped)
@@ -322,14 +322,14 @@ fn the_reset_button_in_mid_test() {
     desk.until(Mode::Running);
 }
 
-/// Oil leaks: without PERMIT the rig sinks. The board begins where it is then, and not where it was commanded to be.
+/// Oil leaks: without PERMIT the rig sinks. The board starts where it is then, not where it was commanded to be.
 #[test]
 fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     if crate::IMAGE == Image::Internal {
         // Its own output floats until the relay has fallen: the rig may be anywhere then, see docs/wiring.md.
         return;
     }
-    // It has sunk before it is armed, too: the approach takes its time.
+    // It also sinks before it is armed, so the approach takes time.
     let mut desk = Desk::with(Bench {
         plan: Some(PlannedFault {
             after_steps: 3000,
@@ -351,7 +351,7 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
         last_m < held_m - 2e-4,
         "it has sunk from {held_m} m to {last_m} m"
     );
-    // Idle, the command follows the position all the way: arming asks for no jump.
+    // In idle the command follows the position: arming causes no jump.
     let shown = log
         .pin
         .last()
@@ -359,7 +359,7 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
         .flatten()
         .expect("the pin is driven");
     let off_m = f64::from(line.quantity(shown)) - last_m;
-    // A period's way, the sensor's delay and a code.
+    // The travel in a period, the sensor's delay, and a code.
     assert!(off_m.abs() < 2e-4, "{off_m} m from where the rig is");
     desk.start();
     desk.until(Mode::Running);
@@ -372,7 +372,7 @@ fn a_supply_that_is_low_from_the_start_is_waited_for() {
             supply_mv,
             ..Bench::default()
         });
-        // The laboratory looks twice a millisecond while nothing samples; the board's time goes on while the PC steps.
+        // The laboratory runs twice a millisecond while nothing samples; the board's time advances while the PC steps.
         while desk.log().position_m.len() < 400 {
             desk.turn();
         }

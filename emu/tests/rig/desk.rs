@@ -1,4 +1,4 @@
-//! The emulated board on the desk, the PC's side of the link beside it, both in this process.
+//! The emulated board on the desk and the PC's side of the link, both in this process.
 
 use emu::nucleo::{HEALTHY_MV, Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
 use emu::{
@@ -38,17 +38,17 @@ duration_s = 10
 /// Control period, ns.
 pub const PERIOD_NS: u64 = 500_000;
 
-/// So long runs a test of these at most, s of the board's time, unless it says otherwise.
+/// Default limit of a scenario's duration, s of the board's time.
 const LONGEST_S: u64 = 20;
 
-/// What the image of these tests has for converters.
+/// Converters of the image of these tests.
 pub const CONVERTERS: Converters = match crate::IMAGE {
     Image::Internal => Converters::Internal,
     Image::External => Converters::External,
     Image::Three => Converters::Three,
 };
 
-/// Number of actuators of the image of these tests, and of floors.
+/// Number of actuators, and of floors, of the image of these tests.
 pub const ACTUATORS: usize = match crate::IMAGE {
     Image::Internal | Image::External => 1,
     Image::Three => 3,
@@ -59,12 +59,12 @@ pub fn codes() -> CodeRange {
     crate::IMAGE.codes()
 }
 
-/// Codes of the command in 24 um, what a code is with 12 bits: the scenarios' bounds are of that.
+/// Command codes in 24 um, the size of a code with 12 bits: the scenarios' bounds are multiples of it.
 pub fn fine() -> u16 {
     codes().command_top / 4095
 }
 
-/// The image as it is flashed: the one that the environment names, else built when the first test asks for it.
+/// The flashed image: the one named by the environment, otherwise built when the first test needs it.
 pub fn image() -> &'static Path {
     static BUILT: OnceLock<PathBuf> = OnceLock::new();
     let name = crate::IMAGE.name();
@@ -103,27 +103,27 @@ impl Turns for WiredPc {
     }
 }
 
-/// What is not as usual.
+/// Settings of a board and its laboratory.
 pub struct Bench {
     pub firmware: Option<Firmware>,
     pub crystal_hz: u64,
     pub lsi_hz: u64,
     pub supply_mv: u32,
     pub plan: Option<PlannedFault>,
-    /// What goes wrong after that, each behind a reset.
+    /// Further faults, each after a reset.
     pub then: Vec<PlannedFault>,
     pub mutant: Option<Mutant>,
-    /// The rig, a TOML table; left out: 3 ms late, a linear specimen.
+    /// The rig; by default 3 ms late, with a linear specimen.
     pub rig: Option<RigSpec>,
-    /// How fast the rig sinks while nothing permits it to move, m/s.
+    /// How fast the rig sinks without permission to move, m/s.
     pub sinks_m_per_s: f64,
-    /// How fast the valves let their actuators go, m/s.
+    /// Velocity limit of the actuators by their valves, m/s.
     pub valve_m_per_s: f64,
-    /// The actuator whose sensors go wrong, from 0.
+    /// The actuator with the fault, from 0.
     pub actuator: usize,
     /// When the emulator ends by itself, s of the board's time.
     pub longest_s: u64,
-    /// What looks into the processor.
+    /// Access to the processor.
     pub processor: Option<CoreBits>,
 }
 
@@ -154,12 +154,12 @@ pub struct Desk {
     pub steps: Vec<(u32, StepReport)>,
     /// The serial line itself.
     pub wire: Wire,
-    /// What the laboratory has seen, see [`Desk::log`].
+    /// The laboratory's log, see [`Desk::log`].
     pub log: Arc<Mutex<Log>>,
     board: Option<JoinHandle<Result<(), String>>>,
 }
 
-/// What the laboratory saw of a fault.
+/// The course of events after a fault.
 #[derive(Debug)]
 pub struct Course {
     /// When it came, ns.
@@ -177,7 +177,7 @@ pub struct Course {
 }
 
 impl Desk {
-    /// Switches a board on, with a fault to come.
+    /// Switches on a board, with a planned fault.
     pub fn new(plan: Option<PlannedFault>) -> Self {
         Self::with(Bench {
             plan,
@@ -185,7 +185,7 @@ impl Desk {
         })
     }
 
-    /// Switches a board on that is not as usual.
+    /// Switches on a board with these settings.
     pub fn with(bench: Bench) -> Self {
         let firmware = bench
             .firmware
@@ -234,12 +234,12 @@ impl Desk {
         }
     }
 
-    /// A connection for somebody else, in place of the one here.
+    /// A connection that replaces the one here.
     pub fn connection(&self) -> Connection<Line> {
         Connection::new(Line::new(WiredPc(self.wire.clone())), Timeouts::BOARD)
     }
 
-    /// Asked twice: behind another connection half of its heartbeat may be on the wire, and what follows that is lost with it.
+    /// Asks twice: after another connection, half of its heartbeat may be on the wire, and what follows it is lost with it.
     pub fn status(&mut self) -> Status {
         status(&mut self.pc)
             .or_else(|_| status(&mut self.pc))
@@ -250,13 +250,13 @@ impl Desk {
         self.pc.ask(&command).expect("an answer")
     }
 
-    /// The command, which has to be taken.
+    /// Sends a command that must be accepted.
     pub fn order(&mut self, command: Command) {
         let reply = self.ask(command);
         assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
     }
 
-    /// A board with a test that runs, and what looks into its processor.
+    /// A board with a running test, and access to its processor.
     pub fn running_looked_into() -> (Self, CoreBits) {
         let processor = CoreBits::default();
         let mut desk = Self::with(Bench {
@@ -278,8 +278,7 @@ impl Desk {
         }
     }
 
-    /// Lets the board's time go on by a turn, also where the board says nothing: then the link ends in time, which is no
-    /// matter here.
+    /// Advances the board's time by a turn, even if the board is silent: the timeout of the link does not matter here.
     pub fn turn(&mut self) {
         if let Ok(Some(step)) = self.pc.step() {
             self.steps.push(step);
@@ -311,7 +310,7 @@ impl Desk {
         }
     }
 
-    /// As it is wired.
+    /// Calibrates the board as it is wired.
     pub fn calibrate(&mut self) {
         calibrate(&mut self.pc, Calibration::nominal(&codes())).expect("a calibration");
     }
@@ -343,7 +342,7 @@ impl Desk {
         while self.step().mode() != Some(mode) {}
     }
 
-    /// Every step that was reported in the mode is there, none missing between the first and the last.
+    /// No step is missing between the first and the last; after a reset they count from zero again.
     pub fn assert_nothing_lost(&self) {
         let ticks: Vec<u32> = self.steps.iter().map(|s| s.0).collect();
         let gaps = ticks
@@ -353,7 +352,7 @@ impl Desk {
         assert_eq!(gaps, 0, "steps are missing");
     }
 
-    /// What the laboratory saw.
+    /// The laboratory's log.
     pub fn log(&self) -> Log {
         self.log
             .lock()
@@ -403,7 +402,7 @@ impl Drop for Desk {
     }
 }
 
-/// Of a storey: a fundamental period of half a second.
+/// Stiffness of a storey, for a fundamental period of half a second.
 pub const STIFFNESS_N_PER_M: f64 = match crate::IMAGE {
     Image::Internal | Image::External => 158e3,
     Image::Three => 797.3e3,

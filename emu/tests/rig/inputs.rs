@@ -1,4 +1,4 @@
-//! What an image with one actuator records beside displacement and force.
+//! What an image with one actuator records in addition to displacement and force.
 
 use crate::desk::{Bench, Desk};
 use emu::{InjectedFault, PlannedFault};
@@ -7,8 +7,7 @@ use link::telemetry::Input;
 use link::{Calibration, Command};
 use outerloop_core::Mode;
 
-/// Largest distance of the command as read back from the command as sent, m, after a fault in mid test and until the test
-/// trips.
+/// Largest difference between the command read back and the command sent, m, in a running test with a fault, until it trips.
 fn read_back_after(fault: InjectedFault) -> f32 {
     let mut desk = Desk::with(Bench {
         plan: Some(PlannedFault {
@@ -54,7 +53,7 @@ fn a_second_displacement_and_the_heads_acceleration_come_with_every_step() {
     );
     desk.start();
     desk.until(Mode::Finished);
-    // The rig's second sensor is as its first.
+    // The rig's second sensor reads like its first.
     assert!(
         desk.steps
             .iter()

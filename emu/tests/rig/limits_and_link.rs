@@ -1,5 +1,5 @@
-//! What trips a test: sensors, limits, the link. Each leaves PERMIT low in a stated time, the command where it stood, the
-//! reason readable, and every step that was sent received.
+//! What trips a test: sensors, limits, the link. Each leaves PERMIT low within a stated time, the command held, the reason
+//! readable, and no step lost.
 
 use crate::desk::{Bench, Desk, PERIOD_NS, codes, config, fine};
 use emu::{Contact, InjectedFault, LoggedEvent, PlannedFault};
@@ -9,12 +9,12 @@ use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault, Method, Mode};
 
-/// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
+/// A running test, with a fault 0.6 s after PERMIT and with other limits.
 pub(crate) fn begun(fault: Option<InjectedFault>, change: impl Fn(&mut Config)) -> Desk {
     begun_with(fault, 1200, change)
 }
 
-/// The same with the fault so many steps after PERMIT.
+/// The same with the fault `after_steps` steps after PERMIT.
 fn begun_with(
     fault: Option<InjectedFault>,
     after_steps: u64,
@@ -33,7 +33,7 @@ fn begun_with(
     desk
 }
 
-/// A board with a test that differs from the usual one, idle for a while.
+/// A board with a changed test, after some time in idle.
 fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
     let mut desk = Desk::with(bench);
     desk.load();
@@ -46,7 +46,7 @@ fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
     desk
 }
 
-/// The test trips on `reason`; what follows is as it has to be. Gives the time from the fault to PERMIT low, ns.
+/// The test trips on `reason`; checks what follows. Returns the time from the fault to PERMIT low, ns.
 fn trips(desk: &mut Desk, reason: Fault) -> Option<u64> {
     desk.until(Mode::Tripped);
     for _ in 0..100 {
@@ -103,7 +103,7 @@ fn a_broken_sensor_wire() {
 fn a_sensor_that_stands_still() {
     let mut desk = begun(Some(InjectedFault::FrozenSensor), |_| {});
     let after = trips(&mut desk, Fault::StaleSample).unwrap();
-    // As many as the test says, and some while the target itself hardly moves.
+    // As many as the test allows, and more while the target itself hardly moves.
     let stale_steps = u64::from(config().limits.stale_steps.unwrap());
     assert!(after >= stale_steps * PERIOD_NS, "{after} ns");
     assert!(after <= 3 * stale_steps * PERIOD_NS, "{after} ns");
@@ -135,7 +135,7 @@ fn each_limit() {
         }),
         (Fault::Force, |c| c.limits.force_n = Some(400.0)),
         (Fault::Tracking, |c| c.limits.tracking_m = Some(0.0001)),
-        // The rig is 3 ms late, and nothing takes the energy out that this puts in.
+        // The rig is 3 ms late, and nothing removes the energy that this adds.
         (Fault::EnergyRatio, |c| {
             c.compensation.kind = Method::None;
             c.limits.energy_trip = Some(0.02);
@@ -153,10 +153,10 @@ fn each_limit() {
 fn a_ground_motion_whose_memory_reads_as_ones() {
     let mut desk = begun(Some(InjectedFault::LostMotion), |_| {});
     let after = trips(&mut desk, Fault::NonFinite).unwrap();
-    // By the next target of the equation of motion.
+    // At the next target of the equation of motion.
     let periods = u64::from(config().timing.substeps);
     assert!(after <= (periods + 1) * PERIOD_NS, "{after} ns");
-    // What was worked out of NaNs is gone with the test: the same motion, sent again, runs to its end.
+    // No NaN outlives the test: the same motion, sent again, runs to its end.
     desk.load();
     desk.order(Command::Event(Event::Arm));
     desk.until(Mode::Armed);
@@ -181,7 +181,7 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     let mut desk = begun(Some(InjectedFault::Chain(Contact::Welded)), |_| {});
     desk.until(Mode::Finished);
     desk.order(Command::Event(Event::Clear));
-    // Telemetry of before is still on its way.
+    // Earlier telemetry is still on its way.
     desk.until(Mode::Idle);
     for _ in 0..500 {
         desk.step();
@@ -204,8 +204,8 @@ fn a_test_that_the_board_integrates_is_not_armed_without_a_limit_of_its_energy_e
     );
 }
 
-/// The codes that the output has shown while PERMIT was high, on the way to a mode. The rig has sunk below zero by some
-/// millimetres before it is armed: the approach raises them.
+/// Codes of the output while PERMIT was high, on the way to a mode. The rig sinks some millimetres below zero before it is
+/// armed: the approach raises the codes.
 fn shown_with_permit(fault: Option<InjectedFault>, to: Mode) -> Vec<u16> {
     let bench = Bench {
         plan: fault.map(|fault| PlannedFault {
@@ -215,7 +215,7 @@ fn shown_with_permit(fault: Option<InjectedFault>, to: Mode) -> Vec<u16> {
         sinks_m_per_s: 0.01,
         ..Bench::default()
     };
-    // 2 mm in the time that a contact has to close, 80 codes of 12 bits.
+    // 2 mm in the time that a contact is given to close: 80 codes of 12 bits.
     let mut desk = configured(bench, |c| c.timing.approach_m_per_s = 0.02);
     desk.order(Command::Event(Event::Arm));
     desk.until(to);
@@ -233,7 +233,7 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
         let most = shown.iter().max().expect("codes");
         most - shown[0]
     };
-    // It never closes: PERMIT is taken back 0.1 s later.
+    // It never closes: PERMIT is withdrawn 0.1 s later.
     let open = InjectedFault::Chain(Contact::Broken);
     let never = shown_with_permit(Some(open), Mode::Tripped);
     assert!((195..=210).contains(&never.len()), "{}", never.len());
@@ -246,7 +246,7 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
         raised(before),
         raised(&later)
     );
-    // Between two codes the output takes turns.
+    // The output alternates between two codes.
     assert!(raised(&never) <= 2 * fine(), "{never:?}");
     assert!(raised(before) <= 2 * fine(), "{before:?}");
     assert!(raised(&later) > 50 * fine(), "it does not approach");
@@ -256,7 +256,7 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
 fn the_blue_button_holds_the_test() {
     let mut desk = begun(Some(InjectedFault::Button), |_| {});
     desk.until(Mode::Holding);
-    // Nothing goes on while it is pressed.
+    // The test cannot resume while it is pressed.
     let reply = desk.ask(Command::Event(Event::Start));
     assert!(
         matches!(&reply, Reply::Refused(r) if r.name == "the hold button"),
@@ -293,7 +293,7 @@ fn a_test_without_limits_and_a_board_without_calibration_are_refused() {
 // proves: fault.link_lost by LinkCut
 #[test]
 fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended() {
-    // The link is lost some 400 ms behind the cut, when the piston is at its fastest.
+    // The link is lost some 400 ms after the cut, when the piston is at its fastest.
     let mut desk = begun_with(Some(InjectedFault::LinkCut(2000)), 1450, |_| {});
     let after = trips(&mut desk, Fault::LinkLost).unwrap();
     println!("PERMIT low {} ms after the cut", after / 1_000_000);
@@ -313,13 +313,13 @@ fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended(
     println!(
         "of the last 50 ms before PERMIT fell it went {fast} m in the first ten and {slow} m in the last"
     );
-    // From 80 mm/s and more to a standstill, where it would have stopped at once; codes of 24 um.
+    // It slows down from 80 mm/s and more to a standstill, instead of stopping at once; codes of 24 um.
     assert!(fast > 20.0 * 40e-6, "{step_m:?}");
     assert!(
         slow < 0.5 * fast && step_m[step_m.len() - 1] <= 2.5e-5,
         "{step_m:?}"
     );
-    // It may go again at once: what is over stands against arming for a while.
+    // The link may be lost again at once: after it is back, it blocks arming for a while.
     let reply = desk.ask(Command::Event(Event::Arm));
     let lost = Some(Obstacle::Fault(Fault::LinkLost));
     assert!(

@@ -1,4 +1,4 @@
-//! Every event in every mode, asked of the flashed image over its link: what the table of modes says is what it does.
+//! Every event in every mode, sent to the flashed image over its link: it does what the table of modes says.
 
 use crate::desk::{Bench, Desk, config};
 use link::Command;
@@ -6,18 +6,18 @@ use link::command::{CommissioningSignal, SignalShape};
 use link::reply::Reply;
 use outerloop_core::{Event, Method, Mode};
 
-/// So slow that a mode which ends by itself is still there after all that is asked of it.
+/// So slow that a mode which ends by itself lasts until all events have been sent.
 const SLOW_M_PER_S: f64 = 0.5e-3;
 
-/// So gently that the ramp to hold lasts longer than that.
+/// So gentle that the ramp to hold lasts longer than that.
 const SLOW_M_PER_S2: f64 = 1.0;
 
-/// Whether it ends without an event, and would too soon.
+/// Whether the mode ends without an event, and would do so too soon.
 fn ends_by_itself(mode: Mode) -> bool {
     matches!(mode, Mode::Approaching | Mode::Returning | Mode::Stopping)
 }
 
-/// A board that is asked for `mode`. One that is to be approaching has sunk some millimetres.
+/// A board prepared for `mode`. For approaching it has sunk some millimetres.
 fn board(mode: Mode) -> Desk {
     let mut desk = Desk::with(Bench {
         sinks_m_per_s: if mode == Mode::Approaching { 0.02 } else { 0.0 },
@@ -26,7 +26,7 @@ fn board(mode: Mode) -> Desk {
     });
     desk.load();
     let mut config = config();
-    // With a predictor, which comes back gradually after a hold.
+    // A predictor, which is faded in again after a hold.
     config.compensation.kind = Method::Tangent;
     if ends_by_itself(mode) {
         config.timing.approach_m_per_s = SLOW_M_PER_S;
@@ -72,14 +72,14 @@ fn go(desk: &mut Desk, mode: Mode) {
                 desk.until(Mode::Armed);
                 while desk.step().command_m != 0.0 {}
             }
-            // In full motion: the ramp ends away from the test.
+            // In full motion: the ramp ends away from the test's motion.
             Event::Hold | Event::MinorFault => wait(desk, 700),
             // It stands.
             Event::Start if desk.status().mode == Mode::Holding => {
                 wait(desk, 400);
             }
             Event::Start => desk.until(Mode::Armed),
-            // What stood against it has to be gone for a while.
+            // Obstacles must have been gone for a while.
             Event::Arm => wait(desk, 300),
             Event::Stop | Event::Finish | Event::Fault | Event::Clear => {}
         }
@@ -91,7 +91,7 @@ fn go(desk: &mut Desk, mode: Mode) {
     }
 }
 
-/// Back to idle from wherever an event has led.
+/// Back to idle from any mode.
 fn home(desk: &mut Desk) {
     loop {
         let event = match desk.status().mode {
@@ -131,13 +131,13 @@ fn wrong(mode: Mode, event: Event, reply: &Reply) -> Option<String> {
     (!right).then(|| format!("{mode:?} {event:?}: {said:?}, and the board says {reply:?}"))
 }
 
-/// Where there is nothing to do in a mode, the reply has the mode behind it.
+/// If there is nothing to do in a mode, the reply has the mode after it.
 fn ends_at_once(mode: Mode, behind: Mode) -> bool {
     matches!(
         (mode, behind),
-        // The rig stands at the start already.
+        // The rig is at the start already.
         (Mode::Approaching, Mode::Armed)
-        // What stands has no ramp.
+        // At standstill there is no ramp.
         | (Mode::Stopping, Mode::Tripped)
     )
 }
@@ -167,7 +167,7 @@ fn every_event_in_every_mode_does_on_the_board_what_the_table_says() {
         for (place, event) in leads_on.into_iter().enumerate() {
             if place > 0 {
                 if ends_by_itself(mode) {
-                    // The way home would be as slow.
+                    // The way back would be as slow.
                     desk = board(mode);
                 } else {
                     home(&mut desk);
@@ -181,7 +181,7 @@ fn every_event_in_every_mode_does_on_the_board_what_the_table_says() {
     }
 }
 
-/// What the scenario above would make of a board with any other table: each pair led elsewhere.
+/// The check above would reject a board with any other table: each pair leads elsewhere.
 #[test]
 fn a_board_that_does_anything_else_is_seen() {
     for (mode, event) in Mode::ALL
@@ -196,7 +196,7 @@ fn a_board_that_does_anything_else_is_seen() {
         let done = Mode::ALL.map(|mode| Reply::Done { tick: 0, mode });
         let replies = done.into_iter().chain([refused]);
         let unseen = replies.filter(|reply| wrong(mode, event, reply).is_none());
-        // The right one, and in these the mode behind it; another scenario waits for the approach.
+        // The right one, and in these also the mode after it; another scenario waits for the approach.
         let expected = match mode.after(event) {
             Ok(Mode::Approaching | Mode::Stopping) => 2,
             Ok(_) | Err(_) => 1,

@@ -1,5 +1,5 @@
-//! The monitor on the flashed image: sound tests run to their end, tests in which something breaks are stopped before the
-//! motion is 1.2 times the planned peak. Limits as the survey of the monitor has them.
+//! The monitor on the flashed image: sound tests run to their end, and tests in which something breaks are stopped before the
+//! motion reaches 1.2 times the planned peak. The limits are those of the monitor survey.
 
 use crate::desk::{Bench, Desk};
 use emu::{InjectedFault, PlannedFault};
@@ -14,7 +14,7 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator, calibrate};
 use std::path::Path;
 
-/// The built-in ground motion so many times as fast, its pulse after 5 s as it is, and seconds of it.
+/// The built-in ground motion (whose pulse comes after 5 s) sped up by a factor, and its duration in s.
 struct Shaking {
     faster: f64,
     seconds: f64,
@@ -25,7 +25,7 @@ const SHORT: Shaking = Shaking {
     seconds: 4.0,
 };
 
-/// As it is: its pulse is slower than the structure, so that a softer one moves more.
+/// Unchanged: its pulse is slower than the structure, so that a softer structure moves more.
 const SLOW: Shaking = Shaking {
     faster: 1.0,
     seconds: 7.0,
@@ -48,10 +48,10 @@ peak_response_mm = 20
 kind = 'delay'
 ";
 
-/// What the rig has, and what becomes of the test.
+/// The result of a test.
 struct Ran {
     summary: Summary,
-    /// Largest motion over the planned peak.
+    /// Largest displacement as a multiple of the planned peak.
     motion: f64,
 }
 
@@ -120,7 +120,7 @@ fn sound_tests_run_to_their_end() {
 #[test]
 fn what_breaks_is_stopped_in_time() {
     let told = "delay_ms = 3\n[plant.sensors]\ndisplacement_noise_mm = 0.02\nforce_noise_n = 5\n";
-    // The actuator stands at 0: the approach takes no time, and after 1.5 s the pulse is on its way.
+    // The actuator is at 0: the approach takes no time, and after 1.5 s the pulse is on its way.
     let late = |fault| PlannedFault {
         after_steps: 3000,
         fault,

@@ -1,23 +1,23 @@
-//! An image with one register wrong: how it is run, and what is looked at.
+//! An image with one register wrong: how it is run, and what is checked.
 
 use crate::desk::{Bench, Desk};
 use emu::Mutant;
 
-/// What a mutant does to the board.
+/// The effect of a mutant on the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Does {
     /// No sample is taken: not one control step.
     SamplesNothing,
-    /// The output pin never leaves where the start has put it, or floats.
+    /// The output pin stays where the start has put it, or floats.
     ShowsNothing,
-    /// No sample counts, so that nothing is written to the output since the start.
+    /// No sample is valid, so nothing is written to the output after the start.
     #[allow(dead_code)] // The chip's own converters have no such case.
     WritesNothing,
     /// It runs, and the registers alone show what is wrong.
     Runs,
 }
 
-/// The demand that is not met, the register, bits cleared and set in it, and what follows.
+/// The demand that is not met, the register, the bits cleared and set in it, and the effect.
 pub type Case = (&'static str, u64, u64, u64, Does);
 
 #[test]
@@ -30,13 +30,13 @@ fn the_image_itself_meets_every_demand() {
     assert!(log.triggers_ns.len() > 40);
 }
 
-/// Every case is as it says.
+/// Every case has its stated effect.
 pub fn each_is_seen(cases: &[Case]) {
     let wrong: Vec<String> = cases.iter().filter_map(|case| run(case).err()).collect();
     assert_eq!(wrong, [""; 0]);
 }
 
-/// What is not as the case says.
+/// Returns an error if the effect is not as the case says.
 fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
     let desk = Desk::with(Bench {
         mutant: Some(Mutant {
@@ -44,7 +44,7 @@ fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
             clear,
             set,
         }),
-        // A working output follows it.
+        // A working output follows the sinking rig.
         sinks_m_per_s: 0.02,
         ..Bench::default()
     });
@@ -57,7 +57,7 @@ fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
     println!("{}", log.violations[0]);
     let samples = log.triggers_ns.len();
     let commands = log.step_instructions.len();
-    // What the pin has shown of late while it does not float.
+    // The pin's latest codes, while it does not float.
     let shown: Vec<_> = log.pin.iter().rev().take(40).flatten().collect();
     let stands = shown.windows(2).all(|w| w[0] == w[1]);
     let as_said = match does {
@@ -71,7 +71,7 @@ fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
     ))
 }
 
-/// Until the laboratory has seen so many periods of a running timer.
+/// Waits until the laboratory has seen `periods` periods of the running timer.
 fn wait(desk: &Desk, periods: usize) {
     for _ in 0..400 {
         if desk.log().periods >= periods {

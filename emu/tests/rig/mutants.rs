@@ -1,5 +1,5 @@
-//! Images with one register wrong: each is seen, each by its own register, and where the metal would do nothing, nothing is
-//! done. The write goes wrong on its way from the image to the chip, as if the image had it wrong.
+//! Images with one register wrong: each is detected by its own register, and where the hardware would do nothing, nothing is
+//! done. The write is corrupted between the image and the chip, as if the image had it wrong.
 
 use crate::desk::{Bench, Desk};
 use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
@@ -35,7 +35,7 @@ const CASES: [Case; 24] = [
     ("TIM4_CCMR1.OC1M", TIM4_CCMR1, 7 << 4, 6 << 4, ShowsNothing),
     ("TIM4_CCR1", TIM4_CCR1, 0xffff, 1680, Runs),
     ("TIM4_CR2.MMS", TIM4_CR2, 7 << 4, 2 << 4, ShowsNothing),
-    // What is recorded beside: no part of the test hangs on it.
+    // Recorded outside the control path: the test does not depend on it.
     ("ADC2_CR2.JEXTSEL", ADC2_CR2, 15 << 16, 1 << 16, Runs),
     ("ADC2_JSQR", ADC2_JSQR, 31 << 10, 12 << 10, Runs),
     ("ADC2_SMPR1.SMP12", ADC2_SMPR1, 7 << 6, 0, Runs),

@@ -81,7 +81,7 @@ fn arming_wants_a_test_and_something_to_run() {
     desk.order(Command::Signal(None));
     assert_eq!(obstacle(&mut desk, arm()), Some(Obstacle::NothingToRun));
     desk.order(Command::Signal(Some(signal)));
-    // The board had lost the PC, which has to be gone for a while.
+    // The board had lost the PC; this blocks arming for a while.
     let armed = (0..1000).any(|_| matches!(desk.ask(arm()), Reply::Done { .. }));
     assert!(armed);
     desk.until(Mode::Armed);
@@ -172,7 +172,7 @@ fn a_ground_motion_with_a_gap_or_another_sum_is_not_loaded() {
     );
 }
 
-/// A test with other limits in which something fails 0.6 s after PERMIT trips on `reason`, with PERMIT low.
+/// A test with other limits, with a fault 0.6 s after PERMIT, trips on `reason`, with PERMIT low.
 fn trips(fault: InjectedFault, reason: Fault, change: impl Fn(&mut Config)) {
     let mut desk = begun(Some(fault), change);
     desk.until(Mode::Tripped);
@@ -214,7 +214,7 @@ fn a_transducer_that_stands_in_its_noise_trips_by_the_motion_that_it_may_hide() 
 #[test]
 fn a_reading_beyond_the_stroke_trips() {
     trips(InjectedFault::Slip { um: 26_000 }, Fault::Reading, |c| {
-        // The command stays inside it, and the reading does not.
+        // The command stays inside the stroke; the reading does not.
         c.limits.displacement_m = Some(0.033);
         c.limits.tracking_m = Some(0.033);
     });

@@ -1,4 +1,4 @@
-//! Nothing holds the control interrupt up: what the chip's interrupt controller holds while a test runs.
+//! Nothing delays the control interrupt: the priorities in the chip's interrupt controller while a test runs.
 
 use crate::desk::Desk;
 use outerloop_cli::board::Image;
@@ -7,13 +7,13 @@ use outerloop_cli::board::Image;
 const SUPPLY: u16 = 1;
 const BACKGROUND: [u16; 5] = [4, 12, 14, 29, 39];
 
-/// In which the control period runs: the chip's converters, or TIM2.
+/// The interrupt of the control period: that of the chip's converters, or of TIM2.
 const CONTROL: u16 = match crate::IMAGE {
     Image::Internal => 18,
     Image::External | Image::Three => 28,
 };
 
-/// The register that an interrupt's priority is in, a byte of it (ARMv7-M, B3.4.9).
+/// The register with an interrupt's priority, one byte of it (ARMv7-M, B3.4.9).
 fn priority_word(interrupt: u16) -> u64 {
     0xe000_e400 + u64::from(interrupt / 4 * 4)
 }
@@ -39,7 +39,7 @@ fn only_the_control_interrupt_and_the_supplys_are_above_what_critical_sections_m
     for background in BACKGROUND {
         assert_eq!(priority(background), Some(0x80), "interrupt {background}");
     }
-    // All but priority 0, and nothing else: a mask of 0 is none, one above 0x80 would mask nothing.
+    // All but priority 0 is masked, or nothing: 0 masks nothing, and a value above 0x80 would mask none of these.
     assert_eq!(
         processor.masks().into_iter().collect::<Vec<_>>(),
         [0x00, 0x10]

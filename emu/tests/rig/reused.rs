@@ -1,10 +1,10 @@
-//! What the emulator has translated for one board serves the next one, and changes nothing about it.
+//! The emulator's translations for one board are used for the next one, and do not change what it does.
 
 use crate::desk::{Bench, Desk, image};
 use emu::{CoreBits, Firmware, LoggedEvent};
 use outerloop_core::Mode;
 
-/// The image with a few bytes behind it: no other test runs it, so the first board's processor is a new one.
+/// The image with a few bytes after it: no other test runs it, so the first board gets a new processor.
 fn marked(mark: &[u8; 8]) -> Firmware {
     let firmware = Firmware::read(image()).unwrap();
     firmware.with_flash(0x080f_fff0, mark.to_vec()).unwrap()

@@ -1,4 +1,4 @@
-//! Settings that are saved, and those that were saved before the power was off.
+//! Settings that are saved, and those that were saved before a power-down.
 
 use crate::desk::{Bench, Desk, codes, config, image};
 use emu::{Firmware, InjectedFault, PlannedFault};
@@ -9,7 +9,7 @@ use link::reply::{Obstacle, Reply};
 use link::status::Timing;
 use outerloop_core::{Config, Event, Mode};
 
-/// Where tests and calibrations are, rows of slots.
+/// Addresses of tests and calibrations, which are rows of slots.
 const TESTS: u64 = 0x081c_0000;
 const TEST_SLOT: u64 = 2048;
 const SLOTS: u32 = 64;
@@ -29,10 +29,10 @@ fn at_1_khz() -> Config {
     config
 }
 
-/// Longest way of a period from its own length, cycles.
+/// Largest deviation of a period, cycles.
 const PERIOD_OFF_CYCLES: u32 = 100;
 
-/// Power on, with these bytes in the flash. The board's reset comes when it has been armed for a while.
+/// Power on, with these bytes in the flash. The board is reset after 100 steps with PERMIT.
 fn reset_when_armed(left: impl IntoIterator<Item = (u64, Vec<u8>)>) -> Desk {
     let mut firmware = Firmware::read(image()).unwrap();
     for (address, bytes) in left {
@@ -75,7 +75,7 @@ fn what_is_saved_is_in_force_after_a_reset() {
     assert_eq!(identity.calibration.number(), other.number());
 }
 
-/// The sector that goes on holds what an older program left there: it is erased first, which takes seconds.
+/// The next sector holds what an older program left there: it is erased first, which takes seconds.
 #[test]
 fn a_sector_is_erased_when_the_other_is_full_and_the_board_keeps_its_period() {
     let full = (0..SLOTS).map(|slot| {
@@ -87,7 +87,7 @@ fn a_sector_is_erased_when_the_other_is_full_and_the_board_keeps_its_period() {
     let mut desk = reset_when_armed(full.chain([(other, left)]));
     assert_eq!(desk.status().timing.period_cycles, AT_1_KHZ);
     desk.load();
-    // The period in which the rate changed is of neither: times count from here on.
+    // The period in which the rate changed has neither length: times count from here on.
     desk.order(Command::Configure(config().into()));
     let before = desk.log().periods;
     desk.order(Command::Save);
@@ -108,7 +108,7 @@ fn a_sector_is_erased_when_the_other_is_full_and_the_board_keeps_its_period() {
     assert_eq!(status.timing.period_cycles, AT_2_KHZ);
 }
 
-/// Power on, with these slots filled. Gives whether the board has a test then, and its period.
+/// Power on, with these slots filled. Returns whether the board then has a test, and its period.
 fn power_on(slots: Vec<Vec<u8>>) -> (Desk, bool, u32) {
     let mut firmware = Firmware::read(image()).unwrap();
     for (slot, bytes) in (0..).zip(slots) {

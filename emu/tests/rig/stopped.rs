@@ -1,4 +1,5 @@
-//! A test that a person stops: the board slows down on its ramp, PERMIT goes when it stands, and nothing that was is lost.
+//! A test stopped by a person: the board slows down on its deceleration ramp, PERMIT falls at standstill, and no record is
+//! lost.
 
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, codes, fine};
 use emu::LoggedEvent;
@@ -13,8 +14,7 @@ use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_core::{Event, Mode};
 use std::path::Path;
 
-/// Steps after which the rig is on its way and the person looks for a moment at which it moves, and how fast it has to, m a
-/// step.
+/// Steps after which the person waits for the rig to move fast enough, and how fast that is, m per step.
 const AFTER: usize = 6000;
 const MOVING_M: f32 = 40e-6;
 
@@ -22,7 +22,7 @@ const MOVING_M: f32 = 40e-6;
 #[derive(Default)]
 struct Hand {
     seen: usize,
-    /// The last command, and its way since the one before, m.
+    /// The last command, and its change since the one before, m.
     command_m: f32,
     way_m: f32,
     pressed: bool,
@@ -88,12 +88,12 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
         _ => None,
     };
     let before: Vec<u16> = seen[..low].iter().filter_map(code).collect();
-    // It has stood for a while when PERMIT goes; between two codes the output takes turns.
+    // It has been at standstill for a while when PERMIT falls; the output may alternate between two codes.
     let stands = *before.last().expect("commands");
     let last = &before[before.len() - 20..];
     assert!(last.iter().all(|now| now.abs_diff(stands) <= 1), "{last:?}");
 
-    // From its speed to nothing at the deceleration: v^2 / 2a of way, within two codes.
+    // From its speed to standstill at the deceleration: a distance of v^2 / 2a, within two codes and a step.
     let step_s = PERIOD_NS as f64 * 1e-9;
     let speed_m_per_s = f64::from(hand.way_m) / step_s;
     let deceleration = test.config.timing.hold_deceleration_m_per_s2;

@@ -34,14 +34,14 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     );
     assert_eq!(summary.steps, 20_000);
 
-    // Every word of every step, commands and all, is what the loop here makes of the board's codes.
+    // Every word of every step, including the commands, is what the loop here computes from the board's codes.
     let board = summary.board.as_ref().unwrap();
     println!("{}", board.sentence());
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert_eq!(board.steps_dropped, Some(0));
     assert!(board.steps_received > 20_000);
 
-    // 12 bits over 100 mm: 24 um, on a peak of 20 mm.
+    // 12 bits over 100 mm: 24 um, with a peak of 20 mm.
     println!(
         "eps_rms {:.4}, eps_max {:.4} on {:?} converters",
         summary.eps_rms,
@@ -53,7 +53,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     drop(bench);
     let status = desk.status();
     let log = desk.log();
-    // Over the whole run the triggers keep to the timer's instants; the emulator stops between instructions, 11 ns each.
+    // Over the whole run the triggers are at the timer's instants; the emulator stops between instructions, 11 ns each.
     for (i, at) in (0_u64..).zip(&log.triggers_ns) {
         let exact = log.triggers_ns[0] + i * PERIOD_NS;
         assert!(at.abs_diff(exact) <= 11, "trigger {i}: {at} ns, {exact} ns");
@@ -67,8 +67,8 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     assert_eq!(timing.overruns, 0);
 
     let external = crate::IMAGE == Image::External;
-    // From the trigger to the command: the conversions, then the step. Telemetry of every step and the link's orders
-    // load the board all the while, and nothing of them delays it by more than an instruction's entry.
+    // From the trigger to the command: the conversions, then the step. Telemetry of every step and the link's commands load
+    // the board throughout, and delay it by no more than one instruction.
     let (soonest, latest) = (
         log.latency_ns.iter().min().unwrap(),
         log.latency_ns.iter().max().unwrap(),
@@ -82,7 +82,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         share * 100.0,
         status.stack_bytes
     );
-    // External converters are waited for, 11 us of it.
+    // With external converters it includes 11 us of waiting.
     assert!(share < if external { 0.06 } else { 0.03 }, "{share}");
     let firmware = Firmware::read(image()).unwrap();
     let kib = |bytes: u64| bytes as f64 / 1024.0;
@@ -91,7 +91,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         kib(firmware.flash_bytes()),
         kib(firmware.ram_bytes().unwrap())
     );
-    // The output takes the command over so long after the trigger, and every command was there by then: it has been shown.
+    // The output takes the command this long after the trigger; every command was written by then, so it was output.
     assert!(*latest < if external { 60_000 } else { 40_000 });
     assert_eq!(log.violations, []);
     assert!(status.stack_bytes > 1000 && status.stack_bytes < 70 * 1024);
@@ -105,7 +105,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         })
         .collect();
     let jump = codes.windows(2).map(|w| (w[1] - w[0]).abs()).max().unwrap();
-    // 20 mm at 2 Hz are 0.25 m/s: 5.2 codes a step, and one of the error feedback.
+    // 20 mm at 2 Hz is 0.25 m/s: 5.2 codes a step, plus one of the error feedback.
     println!("largest step of the command {jump} codes");
     assert!(jump <= 12 * i32::from(fine()), "{jump}");
 }
@@ -116,16 +116,16 @@ fn the_control_interrupt_begins_as_early_under_the_worst_load_of_the_link() {
     let quiet = spread(&mut desk, false);
     let loaded = spread(&mut desk, true);
     println!("trigger to command: quiet {quiet:?} ns, with the line full both ways {loaded:?} ns");
-    // The same step, the same instants: what may differ is the instruction in which the interrupt falls.
+    // The same step, the same instants: only the instruction that the interrupt hits may differ.
     assert!(loaded.1 <= quiet.1 + 200, "{loaded:?} after {quiet:?}");
 }
 
-/// The soonest and the latest command after its trigger, ns, over a quarter of a second, idle.
+/// The shortest and the longest time from trigger to command, ns, over a quarter of a second in idle.
 fn spread(desk: &mut Desk, full: bool) -> (u32, u32) {
     let begin = desk.log().latency_ns.len();
     for _ in 0..500 {
         if full {
-            // 50 bytes a step are all that the line carries; frames and garbage in turn.
+            // 50 bytes a step are all that the line carries.
             desk.wire.send(&[0x55; 49]);
             desk.wire.send(&[0]);
         }
@@ -136,7 +136,7 @@ fn spread(desk: &mut Desk, full: bool) -> (u32, u32) {
     (*seen.iter().min().unwrap(), *seen.iter().max().unwrap())
 }
 
-/// A rig that stands to either side of zero is read where it stands, to half a code.
+/// A rig at rest on either side of zero is read where it is, to half a code.
 #[test]
 fn a_converter_has_no_step_at_zero() {
     let calibration = link::Calibration::nominal(&crate::desk::codes());
@@ -151,7 +151,7 @@ fn a_converter_has_no_step_at_zero() {
             ..Default::default()
         });
         desk.calibrate();
-        // The rig has stood all the time.
+        // The rig has been at rest throughout.
         for _ in 0..50 {
             desk.step();
         }

@@ -1,4 +1,4 @@
-//! Single bits that turn over in a running test: none is dangerous in a few, and in many hardly any may be.
+//! Single bit flips in a running test: none of a few is dangerous, and of many at most 1 in 500.
 
 use crate::desk::{Bench, Desk, codes, image};
 use emu::flips::{Outcome, Table, Target, Trials, run};
@@ -26,11 +26,11 @@ fn bits_of_every_kind_turn_over_and_none_moves_the_piston_beyond_the_plan() {
     let table = flips(84, 1, None);
     assert_eq!(table.flips.len(), 84);
     assert_eq!(table.dangerous(), 0);
-    // They are bits of what runs: codes on their way.
+    // The flips hit what is in use: codes in transfer.
     assert!(table.count(Some(Target::Bus), Outcome::NoEffect) < 12);
 }
 
-/// Twelve bits of the processor often are none that matters; this one is.
+/// Twelve drawn bits of the processor are often all harmless; this one is not.
 #[test]
 fn a_program_counter_that_leaves_the_memory_resets_the_board_and_the_piston_stands() {
     const PROGRAM_COUNTER: u32 = 15;
@@ -67,7 +67,7 @@ fn of_two_thousand_bits_at_most_one_in_five_hundred_is_dangerous() {
     assert!(table.count(Some(Target::Core), Outcome::Reset) > 0);
 }
 
-/// The board has come to `mode`, and stays there: the byte that the loop keeps it in holds it.
+/// The board reaches `mode` and stays there: keeps the addresses of bytes that hold it.
 fn rests(desk: &mut Desk, processor: &CoreBits, mode: Mode) {
     while desk.step().mode() != Some(mode) {}
     for _ in 0..40 {
@@ -79,13 +79,13 @@ fn rests(desk: &mut Desk, processor: &CoreBits, mode: Mode) {
     }
 }
 
-/// The loop's mode is among the bytes that have held each mode in its turn; the others are in the records of the last steps. Where a
-/// bit of it turns over the loop believes that it runs.
+/// The loop's mode is among the bytes that have held each mode in turn; the others are in the records of the last steps. If a
+/// bit of it flips, the loop believes that it is running.
 #[test]
 fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
     let firmware = Firmware::read(image()).expect("an image");
     let processor = CoreBits::default();
-    // A first test goes into the spare place.
+    // The first test is placed in the spare slot.
     let places = ["5SPARE", "7CONTROL"].map(|part| firmware.variable(part).expect("the loop"));
     processor.seek(places);
     let mut desk = Desk::with(Bench {
@@ -109,7 +109,7 @@ fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
     let before = desk.log().seen.len();
     let mut runs = false;
     for address in processor.sought() {
-        // From idle, 0, to running, 2.
+        // From idle (0) to running (2).
         processor.turn_over_byte(address, 1);
         for _ in 0..60 {
             runs |= desk.step().mode() == Some(Mode::Running);
@@ -122,7 +122,7 @@ fn a_loop_that_says_it_runs_by_a_wrong_bit_has_no_permission() {
     assert!(!desk.status().permit);
 }
 
-/// A board of which the control interrupt's memory is searched.
+/// A board whose control interrupt's memory is searched.
 fn searched() -> (Desk, CoreBits) {
     let firmware = Firmware::read(image()).expect("an image");
     let processor = CoreBits::default();
@@ -138,7 +138,7 @@ fn searched() -> (Desk, CoreBits) {
     (desk, processor)
 }
 
-/// Of what is searched, the byte now holds `byte`.
+/// Keeps the addresses that now hold `byte`.
 fn holds(desk: &mut Desk, processor: &CoreBits, byte: u8) {
     for _ in 0..40 {
         desk.step();
@@ -149,7 +149,7 @@ fn holds(desk: &mut Desk, processor: &CoreBits, byte: u8) {
     }
 }
 
-/// Turns `bit` of a byte over in a running test, which has to trip before the command has moved by it.
+/// Flips `bit` of a byte in a running test, which must trip before this moves the command.
 fn trips_at_once(desk: &mut Desk, processor: &CoreBits, address: u64, bit: u32) {
     desk.start();
     desk.until(Mode::Running);
@@ -187,13 +187,13 @@ fn a_wrong_bit_in_a_calibration_trips_before_a_command_is_sent_by_it() {
     }
     let copies = processor.sought();
     assert_eq!(copies.len(), 2, "{copies:x?}");
-    // Bit 23 of the number: half the stroke.
+    // Bit 23 of the number: an error of half the stroke.
     for address in copies {
         trips_at_once(&mut desk, &processor, address + 1, 7);
     }
 }
 
-/// Eight points of the ground motion more in each step: the earthquake is over.
+/// Eight more points of the ground motion in each step would end the earthquake at once.
 #[test]
 fn a_wrong_bit_in_the_pace_of_the_ground_motion_trips() {
     let (mut desk, processor) = searched();
@@ -208,7 +208,7 @@ fn a_wrong_bit_in_the_pace_of_the_ground_motion_trips() {
             first: 0,
             points: [0.0; 2].into_iter().collect(),
         });
-        // Points in a step, times 2^32, are what is kept.
+        // Points per step, times 2^32, is what is stored.
         let points_a_step = 0.0005 / interval_s * 4_294_967_296.0;
         holds(
             &mut desk,

@@ -1,4 +1,4 @@
-//! A converter outside the chip that is not as it was when the board started.
+//! An external converter that has failed since the board started.
 
 #[path = "refused.rs"]
 mod refused;
@@ -30,7 +30,7 @@ fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
     }
 }
 
-/// A new test asks where the actuator stands before samples that do not come have stood against arming for as long as it allows.
+/// A new test asks for the actuator's position before the missing samples have lasted as long as its limit allows.
 #[test]
 fn a_test_whose_loop_has_seen_no_sample_is_not_armed() {
     let mut desk = Desk::with(Bench {
@@ -41,7 +41,7 @@ fn a_test_whose_loop_has_seen_no_sample_is_not_armed() {
         ..Bench::default()
     });
     desk.calibrate();
-    // The board had lost the PC, which has to be gone for a while.
+    // The board had lost the PC; this blocks arming for a while.
     desk.pc.forget_steps();
     for _ in 0..300 {
         desk.step();
@@ -73,13 +73,13 @@ fn an_input_converter_that_has_lost_its_supply_gives_no_sample() {
 #[test]
 fn a_word_that_comes_too_late_shifts_no_later_frame() {
     let mut desk = loaded(InjectedFault::LateWord);
-    // The force would stand in the place of the displacement, and the known voltage in nobody's.
+    // Otherwise the force would be in the place of the displacement, and the known voltage in none.
     assert!(desk.steps.iter().all(|(_, s)| s.displacement != s.force));
     desk.order(Command::Event(Event::Arm));
     desk.until(Mode::Armed);
 }
 
-/// In a running test: the reason, and how far the piston went after the fault, m, beyond the command of then.
+/// A fault in a running test: the reason of the trip, and the time from the fault to PERMIT low, s.
 fn trips(fault: InjectedFault) -> (Option<Fault>, f64) {
     let mut desk = Desk::with(Bench {
         plan: Some(PlannedFault {
@@ -104,7 +104,7 @@ fn trips(fault: InjectedFault) -> (Option<Fault>, f64) {
 fn an_output_that_drops_to_ground_in_a_running_test_trips_before_the_rig_is_far() {
     let (reason, after_s) = trips(InjectedFault::OutputDips);
     assert_eq!(reason, Some(Fault::Output));
-    // The timeout of four steps, the step of the fault and the one that sees it.
+    // The timeout of four steps, the step of the fault and the one that detects it.
     assert!(after_s < 4e-3, "{after_s}");
 }
 

@@ -1,5 +1,5 @@
-//! What a fourth reading found beside the single faults: a port without its clock, a load cell that is not dead and tells no force, and
-//! an input converter that is late or does not come back.
+//! Findings of a fourth review beyond the single faults: a port without its clock, a load cell that is not dead but shows no
+//! force, an input converter that is late or does not return; of a fifth, declared offsets that are wrong.
 
 use crate::desk::{Bench, Desk, TABLE_1, config};
 use crate::single_faults::{
@@ -23,7 +23,7 @@ use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_core::{Event, Fault, Mode};
 use std::path::Path;
 
-/// PERMIT cannot be dropped by a port that hears nothing: the watchdog has to, which lets the pins go.
+/// A port without its clock cannot drop PERMIT: the watchdog must, by a reset that releases the pins.
 #[test]
 fn a_port_without_its_clock_keeps_permit_no_longer_than_the_watchdogs_time() {
     for after_steps in [PHASES[1], 300] {
@@ -56,7 +56,7 @@ fn a_port_without_its_clock_keeps_permit_no_longer_than_the_watchdogs_time() {
     }
 }
 
-/// Gone for 5 ms of 7.5, and for 20 of 30: no run of steps without a force is long.
+/// Missing for 5 ms of 7.5, and for 20 of 30: no single gap is long.
 #[test]
 fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
     let contacts = [
@@ -64,7 +64,7 @@ fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
         ForceContact { open: 40, of: 60 },
     ];
     let mut wrong = each(USUAL, &contacts, &PHASES[..2]);
-    // With a motion of a quarter of the planned peak, as the program works it out, by the same count; and further.
+    // With the program's own limit, a motion of a quarter of the planned peak, it trips by the same count, after a longer way.
     let plan = run(USUAL, None, 0, &stated());
     for contact in contacts {
         let beyond_m = beyond_in_a_test(USUAL, contact, PHASES[0], &plan, &worked_out(&plan));
@@ -77,7 +77,7 @@ fn a_load_cell_whose_contact_is_open_for_two_thirds_of_the_time_trips() {
     assert_eq!(wrong, [""; 0]);
 }
 
-/// Some 9 mV of hum behind a dead load cell: more than its converter's own noise.
+/// Some 9 mV of hum after a dead load cell: more than its converter's own noise.
 #[test]
 fn a_load_cell_that_is_dead_and_hums_trips_near_zero() {
     let hums = HummingForce { codes: 29 };
@@ -89,8 +89,8 @@ fn a_load_cell_that_is_dead_and_hums_trips_near_zero() {
     assert_eq!(wrong, [""; 0]);
 }
 
-/// How far a test goes that begins with a fault and a declared offset of its load cell, N, m from where it stood when the person said
-/// go, and what was said to that.
+/// Largest displacement, m, from the position at the command to start, of a test with a fault and a declared offset of its load
+/// cell, N, and the reply to that command.
 fn started_on(fault: Option<InjectedFault>, declared_n: Option<f64>) -> (f64, Reply) {
     let mut test = config();
     test.limits = stated();
@@ -104,7 +104,7 @@ fn started_on(fault: Option<InjectedFault>, declared_n: Option<f64>) -> (f64, Re
     }
     let stood = desk.log().position_m.len() - 1;
     let reply = desk.ask(Command::Event(Event::Start));
-    // The ground stands still at first: what moves in 100 ms is not the plan.
+    // The ground is at rest at first: motion in the first 100 ms is not planned.
     for _ in 0..200 {
         desk.step();
     }
@@ -129,8 +129,8 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
 }
 
-/// A fifth reading: what is judged is the force that the loop integrates. An offset that stays in the test file when the cell has been
-/// zeroed moves the structure as one of the cell does, and one that is the cell's moves nothing.
+/// From a fifth review: what is judged is the force that the loop integrates. An offset left in the test file after the cell was
+/// zeroed moves the structure as an offset of the cell does; one that matches the cell's moves nothing.
 #[test]
 fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is_read() {
     let (far_m, reply) = started_on(None, Some(1000.0));
@@ -151,8 +151,8 @@ fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is
     assert!((far_m - plan_m).abs() < 1e-4, "{far_m} m of {plan_m}");
 }
 
-/// A fifth reading: where the piston stands when the contact closes is worked out by what the test says of the rig, and a wrong figure
-/// is a jump. Nobody sees one of the command beforehand.
+/// From a fifth review: the piston's position when the contact closes is computed from what the test declares of the rig, and a
+/// wrong figure causes a jump. A wrong command offset cannot be noticed beforehand.
 #[test]
 fn a_command_that_is_declared_millimetres_off_is_refused() {
     let mut desk = single(USUAL, None, 0, 0.0, &stated());
@@ -164,7 +164,7 @@ fn a_command_that_is_declared_millimetres_off_is_refused() {
     for _ in 0..300 {
         desk.step();
     }
-    // What would come of it.
+    // What would happen with it.
     desk.order(Command::Event(Event::Arm));
     let stood = desk.log().position_m.len() - 1;
     for _ in 0..200 {
@@ -181,7 +181,7 @@ fn a_command_that_is_declared_millimetres_off_is_refused() {
     assert!(far_m <= BEYOND_M, "{far_m} m");
 }
 
-/// BUSY falls after the frame was read: what was read is the conversion before.
+/// BUSY falls after the frame was read: what was read is the previous conversion.
 #[test]
 fn a_conversion_that_ends_after_its_frame_was_read_is_no_sample() {
     let mut desk = Desk::with(Bench {
@@ -199,7 +199,7 @@ fn a_conversion_that_ends_after_its_frame_was_read_is_no_sample() {
     assert_eq!(trip, Some(Fault::StaleSample));
 }
 
-/// Where the input converter does not come back, the output stays where it was, and nothing follows the middle of the range.
+/// If the input converter does not return, the output stays where it was and does not follow a reading of mid-range.
 #[test]
 fn a_reset_without_an_input_converter_leaves_the_output_where_it_is() {
     let mut desk = Desk::with(Bench {
@@ -227,7 +227,8 @@ fn a_reset_without_an_input_converter_leaves_the_output_where_it_is() {
     assert!(last.abs_diff(held) < 100, "{held} became {last}");
 }
 
-/// Another ground motion than the planned one is inside every limit; its bits are not the PC's, which stops the test on its ramp.
+/// Another ground motion than the planned one stays inside every limit; its bits differ from the PC's, which stops the test
+/// on its ramp.
 #[test]
 fn a_ground_motion_with_a_wrong_bit_is_stopped_by_the_pc() {
     let test = TestFile::parse(

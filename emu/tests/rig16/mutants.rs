@@ -14,7 +14,7 @@ const CASES: [Case; 12] = [
         2 << 8,
         SamplesNothing,
     ),
-    // BUSY is not seen to fall: no sample counts.
+    // The fall of BUSY is not seen: no sample is valid.
     (
         "GPIOB_AFRH.PB11",
         GPIOB_AFRH,
@@ -22,7 +22,7 @@ const CASES: [Case; 12] = [
         2 << 12,
         WritesNothing,
     ),
-    // A compare of channel 4 passes for BUSY.
+    // A compare of channel 4 is taken for BUSY.
     ("TIM2_CCMR2.CC4S", TIM2_CCMR2, 3 << 8, 0, Runs),
     // The AD7606 was never reset.
     ("GPIOF_MODER.PF12", GPIOF_MODER, 3 << 24, 0, WritesNothing),

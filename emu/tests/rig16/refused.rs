@@ -1,4 +1,4 @@
-//! A converter outside the chip that is not as it was when the board started stands against arming.
+//! An external converter that has failed since the board started blocks arming.
 
 use crate::desk::{Bench, Desk, STIFFNESS_N_PER_M};
 use emu::{InjectedFault, PlannedFault};
@@ -6,11 +6,10 @@ use link::Command;
 use link::reply::{Obstacle, Reply};
 use outerloop_core::Event;
 
-/// How fast the force on a rig that sinks grows, N/s: its limit is far away when it has sunk by some millimetres.
+/// Rate of the force on a sinking rig, N/s: its limit is still far away after some millimetres.
 const SINKS_N_PER_S: f64 = 3160.0;
 
-/// A rig that has sunk by some millimetres, and a fault that is there from the first sample on. Gives the board with a test
-/// in it.
+/// A rig that has sunk by some millimetres, with a fault from the first sample. Returns the board with a test loaded.
 pub fn loaded(fault: InjectedFault) -> Desk {
     sinking(fault, SINKS_N_PER_S / STIFFNESS_N_PER_M)
 }
@@ -28,12 +27,12 @@ fn sinking(fault: InjectedFault, sinks_m_per_s: f64) -> Desk {
     desk
 }
 
-/// Arming is refused for this reason, and nothing has moved but what sinks.
+/// Arming is refused for this reason, and the rig has only sunk.
 pub fn refuses(fault: InjectedFault, reason: Obstacle) {
     is_refused(loaded(fault), fault, reason);
 }
 
-/// The same of a rig that stays in the middle of its stroke, where an output at ground reads as one that is right.
+/// The same for a rig that stays in the middle of its stroke, where an output at ground reads back as correct.
 pub fn refuses_in_the_middle(fault: InjectedFault, reason: Obstacle) {
     is_refused(sinking(fault, 0.0), fault, reason);
 }

@@ -1,4 +1,4 @@
-//! A converter outside the chip that does not answer.
+//! An external converter that does not answer.
 
 use crate::desk::{Bench, Desk};
 use emu::Mutant;

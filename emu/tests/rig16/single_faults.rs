@@ -1,8 +1,7 @@
-//! Single faults, each there before arming, and in a running test at several phases of it: until PERMIT falls the piston moves
-//! no more than 2 mm beyond the plan. The rig has a second displacement, and limits that somebody has stated; how far it goes
-//! without either is printed.
+//! Single faults, each before arming and in a running test at several phases: until PERMIT falls the piston moves no more than
+//! 2 mm beyond the plan. The rig has a second displacement and stated limits; how far it goes without either is printed.
 //!
-//! What no signal of this board shows is not among them, and the independent interlock has to act on it: both displacements
+//! Faults that no signal of this board shows are not included; the independent interlock must act on them: both displacements
 //! wrong together (their common bracket), a specimen that is not what was declared (bounded by the stroke and the energy),
 //! PERMIT's relay welded shut while the command moves (the valve's own power).
 
@@ -15,29 +14,29 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_core::config::Limits;
 use outerloop_core::{Config, Event, Fault, Mode};
 
-/// Beyond the plan, m.
+/// Largest motion allowed beyond the plan, m.
 pub const BEYOND_M: f64 = 2e-3;
 
-/// An actuator: how late it is, ms, and how fast its valve lets it go, m/s.
+/// An actuator: its delay, ms, and its valve's velocity limit, m/s.
 #[derive(Clone, Copy)]
 pub struct Actuator {
     delay_ms: f64,
     valve_m_per_s: f64,
 }
 
-/// That of the table: the delay of Table 1, and the valve of a large ram.
+/// The usual one: the delay of Table 1, and the valve of a large ram.
 pub const USUAL: Actuator = Actuator {
     delay_ms: 3.0,
     valve_m_per_s: 0.75,
 };
 
-/// One that answers in the next period, as fast as its valve.
+/// One that responds in the next period, as fast as its valve.
 const AT_ONCE: Actuator = Actuator {
     delay_ms: 0.5,
     valve_m_per_s: 1.0,
 };
 
-/// A fault as it stands in the table.
+/// Faults are listed by their short names.
 use InjectedFault::*;
 
 static FAULTS: [InjectedFault; 63] = [
@@ -107,12 +106,13 @@ static FAULTS: [InjectedFault; 63] = [
     Drill(8),
 ];
 
-/// A load cell whose sign turns in a running test looks like a specimen that breaks: it is left to the energy, the force and the stroke
-/// (docs/hazards.md).
+/// A load cell whose sign reverses in a running test looks like a specimen that breaks: it is left to the limits of energy, force
+/// and stroke (docs/hazards.md).
 const LIKE_A_BREAK: InjectedFault = ReversedForce;
 
-/// What stays on the plan's way, behind it: a test that a person holds, a link that is lost for long, which ends on the same ramp, a
-/// program that hangs and commands nothing any more, a port that drops no PERMIT while the relay falls, and a loop that goes on only where a sample came, so that the test runs slower.
+/// Faults that stay on the plan's path but fall behind it: a test held by a person; a link lost for long, which ends on the same
+/// ramp; a program that hangs and commands nothing more; a port that does not drop PERMIT while the relay falls; a loop that
+/// advances only with a sample, so that the test runs slower.
 const BEHIND: [InjectedFault; 6] = [
     Button,
     LinkCut(2500),
@@ -122,7 +122,7 @@ const BEHIND: [InjectedFault; 6] = [
     SlowInput,
 ];
 
-/// So many steps are seen of the plan, and of a test with a fault, unless PERMIT falls later: a lost link is waited for.
+/// Steps recorded of the plan, and of a test with a fault; both allow for a lost link.
 const PLANNED_STEPS: usize = 3600;
 const SEEN_STEPS: usize = 2600;
 
@@ -132,13 +132,13 @@ const STEPS_PER_MS: f64 = 2.0;
 /// Control steps from `Arm` to a test that may start, at most.
 const LONGEST_APPROACH: usize = 4000;
 
-/// With PERMIT before a test starts, control steps, at most.
+/// Longest time with PERMIT before a test starts, control steps.
 const BEFORE_THE_START: usize = 150;
 
-/// Control steps with PERMIT at which a fault comes: while the target rises, near its peak, and behind it.
+/// Control steps with PERMIT at which a fault comes: while the target rises, near its peak, and after it.
 pub const PHASES: [u64; 3] = [1250, 1400, 1700];
 
-/// The limits that somebody has stated.
+/// Limits stated in the test.
 pub fn stated() -> Limits {
     Limits {
         tracking_m: Some(1.2e-3),
@@ -148,7 +148,7 @@ pub fn stated() -> Limits {
     }
 }
 
-/// Those that `outerloop run` works out from a plan, where nobody has stated any: no second displacement is compared.
+/// Limits that `outerloop run` derives from a plan if none are stated: the second displacement is not compared.
 pub fn worked_out(plan: &[f64]) -> Limits {
     let timing = config().timing;
     let peak_m = plan.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
@@ -183,7 +183,7 @@ pub fn single(
     single_of(actuator, fault, (after_steps, sinks_m_per_s), limited)
 }
 
-/// The same of a test that is not the usual one.
+/// The same with another test.
 pub fn single_of(
     actuator: Actuator,
     fault: Option<InjectedFault>,
@@ -210,7 +210,7 @@ pub fn single_of(
     desk
 }
 
-/// Where the piston was while PERMIT was high for the first time, m.
+/// Positions of the piston while PERMIT was high for the first time, m.
 fn permitted(log: &Log) -> &[f64] {
     let begin = log.permitted.iter().position(|p| *p);
     let begin = begin.unwrap_or(log.permitted.len());
@@ -218,16 +218,16 @@ fn permitted(log: &Log) -> &[f64] {
     &log.position_m[begin..begin + steps]
 }
 
-/// The fault came, before PERMIT fell for whatever reason.
+/// Asserts that the fault came before PERMIT fell for any reason.
 fn assert_came(fault: InjectedFault, log: &Log) {
     let mut seen = log.seen.iter().map(|(_, seen)| seen);
     let first = seen.find(|s| matches!(s, LoggedEvent::Fault | LoggedEvent::Permit(false)));
     assert_eq!(first, Some(&LoggedEvent::Fault), "{fault:?} never came");
 }
 
-/// With a fault from the first sample on: how far the piston goes beyond the approach, m, or nothing where it is not armed.
+/// With a fault from the first sample: how far the piston goes beyond the approach, m; 0 if it is not armed.
 fn beyond_before_arming(fault: InjectedFault, limits: &Limits) -> f64 {
-    // It stands some millimetres off: what is armed on a wrong reading jumps.
+    // It is some millimetres off zero: a board armed on a wrong reading jumps.
     let mut desk = single(USUAL, Some(fault), 0, 0.02, limits);
     let armed = matches!(desk.ask(Command::Event(Event::Arm)), Reply::Done { .. });
     for _ in 0..300 {
@@ -249,8 +249,8 @@ fn beyond_before_arming(fault: InjectedFault, limits: &Limits) -> f64 {
     beyond_m
 }
 
-/// A whole test, or what there is of it until PERMIT falls: where the piston was since the start, m. Nothing where a fault that is
-/// there from the first sample on lets no test start.
+/// A whole test, or its part until PERMIT falls: positions of the piston since the start, m. Empty if a fault from the first
+/// sample prevents the start.
 pub fn run(
     actuator: Actuator,
     fault: Option<InjectedFault>,
@@ -267,7 +267,7 @@ pub fn run(
             let step = desk.step();
             step.mode() == Some(Mode::Armed) && step.command_m == 0.0
         });
-        // It may have tripped since: how far it went until then is looked at before arming.
+        // It may have tripped since: the motion until then is judged before arming.
         if !starts || !matches!(desk.ask(Command::Event(Event::Start)), Reply::Done { .. }) {
             return Vec::new();
         }
@@ -284,7 +284,7 @@ pub fn run(
         moved += 1;
         if moved % 100 == 0 {
             let log = desk.log();
-            // Samples before the first control step, as long as no fault has reset the chip, which counts them anew.
+            // Laboratory turns before the first period; taken before a fault can reset the chip.
             let sampled = *before_power_up.get_or_insert(log.position_m.len() - log.periods);
             let began = log.permitted.iter().position(|p| *p);
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
@@ -317,7 +317,7 @@ pub fn beyond_in_a_test(
     let held = BEHIND
         .contains(&fault)
         .then(|| (after_steps as usize).saturating_sub(BEFORE_THE_START));
-    // The target goes ahead of a sound piston by the actuator's delay: neither is beyond the plan.
+    // The target leads a sound piston by the actuator's delay: neither is beyond the plan.
     let ahead = (actuator.delay_ms * STEPS_PER_MS) as usize;
     let apart = went.iter().enumerate().map(|(i, went)| {
         let since = held.map_or(i, |held| held.min(i));
@@ -371,7 +371,7 @@ fn a_load_cell_that_comes_and_goes_moves_nothing_beyond_the_plan() {
     assert_eq!(each(USUAL, &[ForceFlickers], &PHASES[1..2]), [""; 0]);
 }
 
-/// Each opening makes the actuator later, and a test swings up by that long before its tracking limit acts.
+/// Each opening adds to the actuator's delay, and the test's motion grows by that long before its tracking limit acts.
 #[test]
 fn a_contact_that_chatters_moves_nothing_beyond_the_plan_whatever_its_limits_are() {
     let plan = run(USUAL, None, 0, &stated());
@@ -380,7 +380,7 @@ fn a_contact_that_chatters_moves_nothing_beyond_the_plan_whatever_its_limits_are
     assert!(beyond_m <= BEYOND_M, "{beyond_m} m");
 }
 
-/// The frames are right, and show where the rig was when it began: nothing but their noise tells.
+/// The frames are valid, and show the rig's first position: only their lack of noise reveals it.
 #[test]
 fn an_input_converter_whose_results_stand_is_not_armed() {
     let mut desk = single(USUAL, Some(InputStands), 0, 0.02, &stated());
@@ -392,7 +392,7 @@ fn an_input_converter_whose_results_stand_is_not_armed() {
     );
 }
 
-/// A test that has met a fault on its way, and has gone on until the fault must have been seen.
+/// A running test with a fault, continued until the fault must have been detected.
 pub fn met_in_a_test(fault: InjectedFault) -> Desk {
     let mut desk = single(USUAL, Some(fault), PHASES[1], 0.0, &stated());
     desk.order(Command::Event(Event::Arm));
@@ -429,7 +429,7 @@ fn what_comes_and_goes_trips_though_no_run_of_bad_steps_is_long() {
 #[test]
 fn a_sampling_timer_with_another_period_trips_in_the_first_one() {
     let plan = run(USUAL, None, 0, &stated());
-    // The period in which it comes, as it was, and one of 1.28 or .4 ms.
+    // The period in which it comes, unchanged, and one of 1.28 or 0.4 ms.
     for (fault, within_us) in [(SlowTimer, 2000), (FastTimer, 1200)] {
         let beyond_m = beyond_in_a_test(USUAL, fault, PHASES[1], &plan, &stated());
         assert!(beyond_m <= BEYOND_M, "{fault:?}: {beyond_m} m");
@@ -452,7 +452,7 @@ fn a_chain_whose_contact_is_not_read_moves_nothing_beyond_the_plan() {
     assert_eq!(wrong, [""; 0]);
 }
 
-/// What the delay of the table hides: until PERMIT falls an actuator that answers in the next period goes on at its valve's speed.
+/// What the usual delay hides: until PERMIT falls, an actuator that responds in the next period moves at its valve's speed.
 #[test]
 fn a_wrong_output_moves_an_actuator_that_answers_at_once_less_than_2_mm() {
     for valve_m_per_s in [0.5, 1.0, 2.0] {
@@ -470,14 +470,14 @@ fn a_wrong_output_moves_an_actuator_that_answers_at_once_less_than_2_mm() {
     }
 }
 
-/// A fault from the first sample on that does not keep the board from being armed, or was over by then: the test is started with it.
+/// Faults from the first sample that do not block arming, or are over by then: the test is started with them.
 #[test]
 #[ignore = "nightly: five minutes"]
 fn tests_that_start_with_a_single_fault_go_nowhere_beyond_the_plan() {
     assert_eq!(each(USUAL, &FAULTS, &[0]), [""; 0]);
 }
 
-/// What a test moves whose limits nobody has stated, and whose piston a person confirmed without looking.
+/// Motion in a test without stated limits, whose piston position a person confirmed without looking.
 #[test]
 #[ignore = "nightly: ten minutes"]
 fn how_far_single_faults_go_under_limits_that_are_worked_out() {
@@ -497,18 +497,18 @@ fn how_far_single_faults_go_under_limits_that_are_worked_out() {
             );
         }
     }
-    // Under limits that somebody has stated: no signal tells it from another specimen.
+    // Under stated limits: no signal distinguishes it from another specimen.
     for percent in [50, 150] {
         beyond_in_a_test(USUAL, ForceGain { percent }, PHASES[0], &plan, &stated());
     }
-    // The way from where the rig has sunk to zero, for a transducer that is dead at arming.
+    // The distance that the rig has sunk, for a transducer that is dead at arming.
     assert!((0.02..0.03).contains(&farthest_m), "{farthest_m} m");
 }
 
-/// Parts that are run side by side.
+/// Parts that run in parallel.
 const PARTS: usize = 6;
 
-/// Every fault before arming and near the peak of a running test; every night at the other phases, and behind a faster actuator.
+/// Every fault before arming and near the peak of a running test; nightly at the other phases, and with a faster actuator.
 macro_rules! parts {
     ($($name:ident $by_night:ident $part:literal)*) => {
         $(

@@ -1,6 +1,6 @@
-//! Tests one after the other on one board for as long as wanted, with a fault, a reset or a crash in turn: nothing is dropped, no
-//! bit is different, and the last period is as exact as the first. On this image, since its output holds where it is while the
-//! chip is reset; the chip's own floats, and the rig would go to its end.
+//! Tests one after the other on one board for as long as wanted, with trips, resets and crashes: nothing is dropped, no bit
+//! differs, and the last period is as exact as the first. On this image, since its output holds its value while the chip is
+//! reset; the chip's own output floats, and the rig would go to the end of its stroke.
 
 use crate::desk::{Bench, Desk, PERIOD_NS, TABLE_1};
 use emu::{InjectedFault, Log, LoggedEvent, PlannedFault};
@@ -18,19 +18,19 @@ use outerloop_core::{Event, Mode};
 use std::path::Path;
 use std::time::Instant;
 
-/// Control steps with PERMIT high from one reset or crash to the next, so that a test that trips has its time between them; in each
-/// further part of a soak some more, so that they fall into other moments of a test.
+/// Control steps with PERMIT high from one reset or crash to the next, so that a test that trips fits in between; each further
+/// part of a soak has more, so that they come at other instants of a test.
 const BETWEEN: u64 = 45_000;
 const MORE_A_PART: u64 = 1234;
 
-/// Each in its turn ends the program, or the button does.
+/// How the program ends, in turn: the reset button, or a crash.
 const ENDS: [(InjectedFault, StartCause); 3] = [
     (InjectedFault::Reset, StartCause::Pin),
     (InjectedFault::Drill(1), StartCause::Watchdog),
     (InjectedFault::Drill(2), StartCause::Watchdog),
 ];
 
-/// What came of the tests.
+/// Counts of the tests by their outcome.
 #[derive(Debug, Default, PartialEq)]
 struct Outcomes {
     completed: u32,
@@ -38,7 +38,7 @@ struct Outcomes {
     reset: u32,
 }
 
-/// A test that runs to its end, or one whose limit of the force it passes.
+/// A test that runs to its end, or one that exceeds its force limit.
 fn experiment(trips: bool) -> Experiment {
     let mut test = TestFile::parse(TABLE_1, "test.toml", Path::new(""), &[]).unwrap();
     if trips {
@@ -82,10 +82,10 @@ impl Soak {
         }
     }
 
-    /// What the laboratory has seen since it was asked last, and whether the board was reset in that time: as it was planned.
+    /// The laboratory's log since the last call, and whether the board was reset in that time; checks that this was as planned.
     fn seen(&mut self) -> (Log, bool) {
         let status = self.desk.status();
-        // Hours of it would fill the memory.
+        // Taken, since hours of it would fill the memory.
         let log = std::mem::take(&mut *self.desk.log.lock().unwrap());
         assert_eq!(log.violations, []);
         let is_reset = |(_, seen): &(u64, LoggedEvent)| *seen == LoggedEvent::Reset;
@@ -100,19 +100,19 @@ impl Soak {
         if let Some(last) = log.triggers_ns.last() {
             self.now_s = 1e-9 * *last as f64;
         }
-        // Nothing is saved: a board that has been reset has to be calibrated again.
+        // Nothing is saved: after a reset the board must be calibrated again.
         if !status.calibrated {
             self.desk.calibrate();
         }
         (log, was_reset)
     }
 
-    /// One test, and how the board is afterwards; whether it was reset.
+    /// Runs one test and checks the board afterwards; returns whether it was reset.
     fn test(&mut self, trips: bool) -> bool {
         let experiment = if trips { &self.trips } else { &self.whole };
         let ideal = experiment.ideal().unwrap();
         let plan = PlannedMotion::of(experiment, &ideal);
-        // One connection all the time: a reset leaves answers behind that nobody waits for.
+        // One connection throughout: a reset leaves answers behind that nobody waits for.
         let spare = self.desk.connection();
         let pc = std::mem::replace(&mut self.desk.pc, spare);
         let bench = BoardBench::new(pc, plan, Operator::not_asked());
@@ -156,10 +156,10 @@ impl Soak {
     }
 }
 
-/// How often a soak says how far it is, s of the board's time: one that is cut off has shown something.
+/// Interval of progress reports, s of the board's time, so that a soak that is cut off has shown something.
 const SAID_EVERY_S: f64 = 600.0;
 
-/// Runs for so long, s of the board's time.
+/// Runs for `board_s` of the board's time, s.
 fn soaked(board_s: u64, part: usize) -> Outcomes {
     let (began, mut soak) = (Instant::now(), Soak::new(board_s, part));
     let say = |soak: &Soak| {
@@ -176,7 +176,7 @@ fn soaked(board_s: u64, part: usize) -> Outcomes {
     let mut said_s = 0.0;
     while soak.now_s < board_s as f64 {
         at_rest &= !soak.seen().1;
-        // Where a reset or a trip has left the specimen, its force is beyond the smaller limit, and nothing is armed with that.
+        // After a reset or a trip the specimen's force may exceed the smaller limit, which would block arming.
         let trips = at_rest && soak.outcomes.completed > 2 * soak.outcomes.tripped;
         at_rest = !soak.test(trips) && !trips;
         if soak.now_s > said_s + SAID_EVERY_S {
@@ -208,7 +208,7 @@ fn hours_of_tests_with_trips_resets_and_crashes_lose_nothing() {
         })
     };
     let minutes = asked("OUTERLOOP_SOAK_MINUTES", 8 * 60);
-    // The first is that of every push.
+    // The first part runs with every push.
     let part = asked("OUTERLOOP_SOAK_PART", 1);
     let seen = soaked(60 * u64::from(minutes), part as usize);
     assert!(

@@ -49,7 +49,7 @@ fn over_250_mm_the_error_is_within_5_percent_of_the_one_without_converters() {
     assert!((summary.eps_rms / plain.eps_rms - 1.0).abs() < 0.05);
     let board = summary.board.as_ref().unwrap();
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
-    // The command read back: half a code of each converter, and the steps of the error feedback.
+    // The command read back: half a code of each converter, plus the steps of the error feedback.
     let off_m = board.further.as_ref().unwrap().command_off_m.unwrap();
     assert!(off_m < 3.0 * 0.5 / 65_536.0, "{off_m}");
 }

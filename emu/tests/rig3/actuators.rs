@@ -7,7 +7,7 @@ use link::reply::Reply;
 use link::telemetry::Input;
 use outerloop_core::{Fault, Mode, Trip};
 
-/// A test that trips because something of an actuator goes wrong.
+/// A test that trips by a fault of one actuator.
 fn tripped(actuator: usize, fault: InjectedFault) -> (Desk, Trip) {
     let mut desk = Desk::with(Bench {
         plan: Some(PlannedFault {
@@ -23,7 +23,7 @@ fn tripped(actuator: usize, fault: InjectedFault) -> (Desk, Trip) {
     (desk, trip)
 }
 
-/// A test in which the sensors of an actuator go wrong; how long PERMIT stayed high, ns, and what tripped.
+/// A test with a fault of one actuator: how long PERMIT stayed high, ns, the reason of the trip, and the log.
 fn trip(actuator: usize, fault: InjectedFault) -> (u64, Fault, Log) {
     let (mut desk, trip) = tripped(actuator, fault);
     let course = desk.course();
@@ -37,7 +37,7 @@ fn trip(actuator: usize, fault: InjectedFault) -> (u64, Fault, Log) {
     )
 }
 
-/// What the three outputs have shown in each period since PERMIT went low.
+/// Codes of the three outputs in each period since PERMIT went low.
 fn since_the_trip(log: &Log) -> Vec<[Option<u16>; ACTUATORS]> {
     let low = log
         .seen
@@ -62,7 +62,7 @@ fn a_broken_wire_of_any_actuator_trips_within_a_period_and_all_outputs_stand() {
         let shown = since_the_trip(&log);
         assert!(shown.len() > 150);
         assert!(shown.iter().all(|now| *now == shown[0]), "an output moved");
-        // They were on their way: none of them stands where the others do.
+        // They were in motion: no two of them are equal.
         let [a, b, c] = shown[0].map(Option::unwrap);
         assert!(a != b && b != c, "{a} {b} {c}");
     }
@@ -94,7 +94,7 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     assert_eq!(inputs[3..], [Input::SecondDisplacement]);
     let status = desk.status();
     assert_eq!(status.other_codes.len(), ACTUATORS - 1);
-    // Each floor of a frame goes further than the one below it.
+    // Each floor of a frame moves further than the one below it.
     let line = identity.calibration.displacement;
     let peak = |actuator| {
         let steps = desk.steps.iter();
@@ -104,7 +104,7 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     let peaks = [0, 1, 2].map(peak);
     println!("peaks of the floors {peaks:?} m");
     assert!(peaks[0] > 0.002 && peaks[0] < peaks[1] && peaks[1] < peaks[2]);
-    // The first command, read back at its output by a converter of 12 bits behind an amplifier: 17.6 codes to one of it.
+    // The first command, read back at its output by a converter of 12 bits after an amplifier, whose code is 17.6 command codes.
     let command = identity.calibration.command;
     let running: Vec<_> = desk
         .steps
@@ -118,11 +118,11 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     let off = off.fold(0.0, f32::max) / command.per_code;
     println!("the first command reads back within {off} codes of 65536");
     assert!(off <= 12.0, "{off} codes");
-    // The others as their outputs move: each floor further than the one below it.
+    // All three move with their outputs: each floor further than the one below it.
     let far = [0, 1, 2].map(|input| span(running.iter().map(|s| s.inputs[input])));
     println!("commands read back over {far:?} codes");
     assert!(far[0] > 2000 && far[0] < far[1] && far[1] < far[2]);
-    // The second sensor of the first floor is as its first.
+    // The second sensor of the first floor reads like its first.
     assert!(running.iter().all(|s| s.inputs[3] == s.displacement));
 }
 
@@ -135,7 +135,7 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
     for actuator in 0..ACTUATORS {
         let [valve, output] = [InjectedFault::DeadValve, InjectedFault::DeadOutput].map(|fault| {
             let (desk, trip) = tripped(actuator, fault);
-            // Which of the watches sees it first depends on where in the motion it dies.
+            // Which check detects it first depends on the phase of the motion.
             let by_motion = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
             let by_reading = fault == InjectedFault::DeadOutput && trip.fault == Fault::Output;
             assert!(by_motion || by_reading, "{fault:?}: {:?}", trip.fault);
@@ -149,7 +149,7 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
             "actuator {}: its command read back moves over {valve} codes with a dead valve, {output} with a dead output",
             actuator + 1
         );
-        // One code of 12 bits, and more than two.
+        // At most one code of 12 bits, against more than two.
         assert!(output <= 18 && valve > 40, "{valve} {output}");
     }
 }

@@ -1,4 +1,4 @@
-//! A converter of three actuators that is not as it was when the board started.
+//! Converters for three actuators that have failed since the board started.
 
 #[path = "../rig16/refused.rs"]
 mod refused;

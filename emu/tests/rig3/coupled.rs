@@ -1,5 +1,5 @@
-//! `examples/coupled-frame.toml` on the flashed image, as `outerloop run --emulated` does it: two actuators on one coupler are the
-//! first two of the board, and nothing hangs on the third.
+//! `examples/coupled-frame.toml` on the flashed image, as `outerloop run --emulated` does it: the two actuators on one
+//! coupler are the first two of the board, and the third has no load.
 
 use crate::example;
 use experiment::Experiment;
@@ -63,11 +63,11 @@ fn a_test_of_two_coupled_actuators_has_the_figures_of_the_one_without_converters
             .zip(&without.eps_rms_by_coordinate),
     ) {
         println!("{coordinate}: eps_rms {a:.5}, without converters {b:.5}");
-        // Between two seeds of the noise it is 11 % already.
+        // Two seeds of the noise already differ by 11 %.
         assert!((a / b - 1.0).abs() < 0.15, "{coordinate}");
     }
     assert_eq!(summary.verdict, TestVerdict::Completed);
-    // What was found out of the actuators travelled as bits: the loop on the PC has it.
+    // What was identified of the actuators was transferred bit for bit: the loop on the PC has it.
     assert_eq!(on_board.found.len(), without.found.len());
     for (a, b) in on_board.found.iter().zip(&without.found) {
         println!(
@@ -76,7 +76,7 @@ fn a_test_of_two_coupled_actuators_has_the_figures_of_the_one_without_converters
         );
         assert!((a.found / b.found - 1.0).abs() < 0.02, "{a:?} {b:?}");
     }
-    // The commands leave 200 us after the sample, 192 us of 168 cycles after the step has begun.
+    // The commands leave 200 us after the sample, 192 us (of 168 cycles each) after the start of the step.
     let timing = summary.board.as_ref().unwrap().timing.unwrap();
     println!(
         "step at most {} cycles; stack {} bytes",

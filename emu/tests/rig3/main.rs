@@ -1,5 +1,6 @@
 //! The image for three actuators, unmodified, on an emulated board with models of an AD7606 and an AD5754R on its serial
-//! interfaces, a rig of three storeys behind them: its own mutants, what only it has, and the example with three actuators.
+//! interfaces and a rig of three storeys: its own mutants, what only it has, and the examples with three and with two coupled
+//! actuators.
 #![allow(missing_docs)]
 
 use outerloop_cli::board::Image;

@@ -7,7 +7,7 @@ use emu::registers::*;
 
 const CASES: [Case; 9] = [
     ("TIM2_CCMR2.OC3M", TIM2_CCMR2, 7 << 4, 0, SamplesNothing),
-    // BUSY is not seen to fall: no sample counts.
+    // The fall of BUSY is not seen: no sample is valid.
     (
         "GPIOB_AFRH.PB11",
         GPIOB_AFRH,
@@ -17,10 +17,10 @@ const CASES: [Case; 9] = [
     ),
     ("GPIOD_AFRH.PD12", GPIOD_AFRH, 15 << 16, 0, ShowsNothing),
     ("TIM4_CCER.CC1P", TIM4_CCER, 2, 0, Runs),
-    // 60 us, right for one actuator: the last of three commands may not be written by then.
+    // 60 us, correct for one actuator: the last of three commands may not be written by then.
     ("TIM4_CCR1", TIM4_CCR1, 0xffff, 5040, Runs),
     ("SPI1_CR1.BR", SPI1_CR1, 7 << 3, 1 << 3, Runs),
-    // The commands read back: no part of the test hangs on them.
+    // The commands read back: these tests do not depend on them.
     ("ADC2_CR2.JEXTEN", ADC2_CR2, 3 << 20, 0, Runs),
     ("ADC2_JSQR", ADC2_JSQR, 31 << 5, 10 << 5, Runs),
     ("GPIOC_MODER.PC0", GPIOC_MODER, 3, 0, Runs),

@@ -1,4 +1,4 @@
-//! `examples/three-storey.toml` on the flashed image, as `outerloop run --emulated` does it: its strong part, to the end.
+//! `examples/three-storey.toml` on the flashed image, as `outerloop run --emulated` does it: its first 8 s, with the strong part.
 
 use crate::{example, load};
 use experiment::Experiment;
@@ -38,15 +38,15 @@ fn the_error_is_within_5_percent_of_the_one_without_converters() {
     assert_eq!(summary.verdict, TestVerdict::Completed);
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert!((summary.eps_rms / plain.eps_rms - 1.0).abs() < 0.05);
-    // A step and its converters fit into the 80 us before the commands leave, with room: 72 us of 168 cycles.
+    // A step and its converters fit well into the 80 us before the commands leave: 72 us of 168 cycles each remain.
     let timing = board.timing.unwrap();
     println!("step at most {} cycles", timing.worst_step_cycles);
     assert_eq!(timing.overruns, 0);
     assert!(timing.worst_step_cycles < 10_000);
 }
 
-/// Three watches with everything on: a compensation that learns on each actuator and is held, a late sensor that may be corrected for,
-/// and the link full of telemetry.
+/// Three watches with everything on: an adaptive compensation on each actuator, held by the watch; a late sensor that may be
+/// corrected for; and the link full of telemetry.
 #[test]
 fn three_watches_at_work_leave_the_step_its_deadline_and_take_little_of_the_processor() {
     const JUMP: &str = "[declared.actuator]\ngain = { value = 1, tolerance = 0.005 }\ndelay_ms = { value = 4, tolerance = 0.3 }\n\

@@ -1,4 +1,4 @@
-//! The diagnosis of this repository answers field records.
+//! Has this repository's diagnosis answer field records, and grades its answers.
 
 use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel, Verdict};
 use exam::Parameter;
@@ -10,33 +10,33 @@ pub struct GradedField {
     pub cause: &'static str,
     pub mark: Mark,
     pub said: Said,
-    /// What comes nearest, and the notes.
+    /// The nearest effects, the parameters that were found, and the notes.
     pub notes: Vec<String>,
-    /// Names with a `q`.
+    /// The names that were given with a `q`.
     pub vouched: Vec<Vouched>,
-    /// Members of a set, and what may stand beside sure names: each with its probability, and whether it is in the rig.
+    /// Members of a set and possible additions to sure names: the probability of each, and whether it is in the rig.
     pub open: Vec<(f64, bool)>,
     /// Held-out NRMSE before, after, and the stated floor.
     pub errors: [f64; 3],
-    /// User time is that of this thread alone only where one thread works.
+    /// How long the diagnosis took, s; 0 if it refused.
     pub seconds: f64,
     pub samples: usize,
 }
 
-/// A name with how sure it is.
+/// A name, and how sure the diagnosis is of it.
 #[derive(Clone, Debug)]
 pub struct Vouched {
     pub name: &'static str,
     pub q: f64,
-    /// Not in the rig, or given for more than it is.
+    /// Not in the rig, or claimed to be more of the cause than it is.
     pub is_false: bool,
-    /// Held-out error after over before.
+    /// Held-out error after naming it, over the one before.
     pub leaves: f64,
     pub actuator: bool,
 }
 
 impl Vouched {
-    /// As a row of a table: name, channel, whether it is false, what is left, `q`.
+    /// As a table row: name, channel, whether it is false, share of the error left, `q`.
     pub fn row(&self) -> String {
         format!(
             "{} | {} | {} | {:.3} | {}",
@@ -53,7 +53,7 @@ impl Vouched {
     }
 }
 
-/// What the examinee gets of a record.
+/// A record as the examinee gets it.
 pub fn recording(name: &str, r: &exam::Record, before: Option<Box<Recording>>) -> Recording {
     let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
     Recording {
@@ -67,7 +67,7 @@ pub fn recording(name: &str, r: &exam::Record, before: Option<Box<Recording>>) -
     }
 }
 
-/// What the examinee gets of the records.
+/// The two records as the examinee gets them.
 pub fn recordings(field: &Field) -> [Recording; 2] {
     let span = |name: &str, s: &Span| {
         let before = s.before.as_ref().map(|r| recording(name, r, None));
@@ -76,7 +76,7 @@ pub fn recordings(field: &Field) -> [Recording; 2] {
     [span("train", &field.train), span("test", &field.test)]
 }
 
-/// What the examinee gets of the rig.
+/// The declared model that the examinee gets.
 pub fn model(believed: &Believed) -> Model {
     let known = |p: Parameter| Declared {
         value: p.value,
@@ -111,7 +111,7 @@ pub fn model(believed: &Believed) -> Model {
     }
 }
 
-/// What was said of the channel.
+/// What the diagnosis said about the channel.
 pub fn said(found: &Diagnosis) -> Said {
     let a = &found.channels[0];
     let verdict = match a.verdict {
@@ -149,7 +149,7 @@ fn notes(found: &Diagnosis) -> Vec<String> {
         .collect()
 }
 
-/// Answers and grades a record.
+/// Has a record diagnosed and grades the answer.
 pub fn answer(field: Field) -> GradedField {
     let [train, test] = recordings(&field);
     let samples = train.time_s.len();

@@ -1,12 +1,12 @@
-//! How large the faults of rams are beside the noise: what the best sound ram leaves.
+//! How large the faults of rams are compared with the noise: what the best-fitting sound ram leaves unexplained.
 
 use exam::field::{SOUND_RAM, faults, hidden_by_a_sound_ram, set_ram};
 use rayon::prelude::*;
 
-/// Ends of the classes, over the noise.
+/// Bounds of the table's columns, as multiples of the noise.
 const CLASSES: [f64; 5] = [0.0, 0.42, 1.0, 3.0, f64::INFINITY];
 
-/// Prints how many rams of each fault leave how much.
+/// Prints, for each fault, how many rams fall into each column.
 pub fn all(seeds: Vec<u64>, list: bool) {
     let of = |seed: u64| (set_ram(seed), hidden_by_a_sound_ram(seed));
     let all: Vec<_> = seeds.into_par_iter().map(of).collect();

@@ -1,19 +1,21 @@
-//! Rigs as others record them, and what the diagnosis says of them, by cause.
+//! Rigs as other laboratories record them, and what the diagnosis says about them, by cause.
 //!
 //! ```text
 //! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices | --rams | --worlds] [--only WORD] [--list] [--evidence | --noise | --hidden | --third | --settle=N]
 //! ```
 //!
-//! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
-//! `--worlds` sets each seed three times: in the field, in a laboratory, as a ram.
-//! `--rams` sets rams under their position loops, every second one sound, and says by how much the aims of the field trial are missed.
-//! `--evidence` lists each name that was given for sure, whether it is false, what its model leaves of the error, and its `q`.
-//! `--noise` compares the noise that is stated of the records without a rest with the true one.
-//! `--hidden` compares what the best sound ram leaves of a faulty one's record with the noise: the least that can be found.
-//! `--third` has each specimen play a third motion, and compares what the model that was found leaves of it with the noise.
-//! `--settle=100` plays what `--next` designs on the first hundred rigs whose first record is ambiguous, twice at most, and what the
-//! notes advise.
-//! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
+//! - `--devices`: specimens of earthquake laboratories instead (bearings, dampers, braces, walls).
+//! - `--rams`: rams under position control, every second one sound; prints by how much the aims of the field trial are missed.
+//! - `--worlds`: each seed three times: as a field rig, as a laboratory specimen and as a ram.
+//! - `--evidence`: lists each name that was given for sure, whether it is false, how much of the error its model leaves, and
+//!   its `q`.
+//! - `--noise`: compares the stated noise of records without a rest with the true noise.
+//! - `--hidden`: compares what the best-fitting sound ram leaves of a faulty ram's record with the noise. Less than the noise
+//!   cannot be found.
+//! - `--third`: has each specimen play a third motion and compares what the model found leaves of it with the noise.
+//! - `--settle=100`: for the first hundred rigs whose first record is ambiguous, plays up to two tests as `--next` designs them,
+//!   and up to two by the fixed advice of the notes.
+//! - `--only Cut`: takes the rigs with that word in their description (cause, motion, how it was cut).
 
 mod grading;
 mod hidden;
@@ -28,7 +30,7 @@ use grading::GradedField;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-/// Sets the rig of a seed.
+/// Makes the rig of a seed.
 type World = fn(u64) -> Field;
 
 fn main() {
@@ -54,7 +56,7 @@ fn main() {
     };
     let mut names: Vec<&str> = Vec::new();
     for name in worlds.iter().flat_map(|w| &w.1) {
-        // Two worlds have a cause in common.
+        // A cause can appear in two worlds.
         if !names.contains(name) {
             names.push(name);
         }
@@ -135,7 +137,7 @@ fn main() {
     println!("\n{} rigs\n\n{}", all.len(), aims::table(&aimed));
 }
 
-/// How rams did by the measure of the field trial: sound ones called sound, faults found, faults named wrongly.
+/// How rams did by the field trial's measures: sound ones called sound, faults found, faults named wrongly.
 fn field_trial(all: &[GradedField]) -> [Figure; 3] {
     let (sound, faulty): (Vec<&GradedField>, Vec<&GradedField>) =
         all.iter().partition(|s| s.cause == SOUND_RAM);
@@ -192,7 +194,7 @@ fn by_cause(names: &[&str], all: &[GradedField]) {
     row("**all**", &all.iter().collect::<Vec<_>>());
 }
 
-/// Each name with its `q`, for those who want to calibrate anew.
+/// Each name with its `q`, for a new calibration.
 fn evidence(all: &[GradedField]) {
     println!("| rig | name | channel | false | error left | q |");
     println!("|---|---|---|---|---|---|");
@@ -203,10 +205,10 @@ fn evidence(all: &[GradedField]) {
     }
 }
 
-/// Ends of the classes of stated probabilities.
+/// Bounds of the classes of stated probabilities.
 const STATED: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
 
-/// Every name that was given a probability, in a set, beside others or for sure: how often it is in the rig.
+/// How often names are in the rig, by their stated probability, whether in a set, beside others or for sure.
 fn reliability(all: &[GradedField]) {
     let sure = |s: &GradedField| {
         s.vouched
@@ -235,7 +237,7 @@ fn reliability(all: &[GradedField]) {
     }
 }
 
-/// The share of false names among those that were given with a `q` up to a level.
+/// The share of false names among those given with a `q` up to a level.
 fn calibration(all: &[GradedField]) {
     let vouched: Vec<_> = all.iter().flat_map(|s| &s.vouched).collect();
     let drives = vouched.iter().filter(|v| v.actuator);

@@ -1,11 +1,11 @@
-//! The noise that is stated of records without a rest, beside the true one.
+//! The stated noise of records without a rest, compared with the true noise.
 
 use crate::grading::{model, recordings};
 use exam::field::{Believed, Field, causes};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-/// A stated noise may be off by this factor.
+/// A stated noise may be wrong by this factor.
 const WITHIN: f64 = 1.3;
 
 struct Stated {
@@ -13,9 +13,9 @@ struct Stated {
     cause: &'static str,
     actuator: bool,
     verdict: String,
-    /// Over the true one; of a record without noise over the output's rms.
+    /// Stated noise over the true one; if the record has no noise, over the output's rms.
     ratio: f64,
-    /// Over the rms of the output.
+    /// True noise over the output's rms.
     truth: f64,
 }
 
@@ -58,7 +58,7 @@ fn ask(field: Field) -> Stated {
     }
 }
 
-/// Asks about the records among `seeds` that have no rest.
+/// Diagnoses the records among `seeds` that have no rest.
 pub fn all(seeds: Vec<u64>, set: fn(u64) -> Field, list: bool) {
     let bar = ProgressBar::new(seeds.len() as u64);
     let fields = seeds.into_par_iter().inspect(|_| bar.inc(1));

@@ -1,4 +1,4 @@
-//! Whether designed tests settle what a first record leaves open, beside tests by the diagnosis' own fixed advice.
+//! Whether designed tests settle what a first record leaves open, compared with tests by the fixed advice of the notes.
 
 use crate::grading::{model, recording, recordings, said};
 use diagnosis::{Diagnosis, Model, Recording, RigLimits, Verdict};
@@ -8,29 +8,29 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Tests after the first record, at most.
+/// Largest number of tests after the first record.
 const TESTS: usize = 2;
-/// Rigs that are asked at once: as many on any machine, so that it prints the same.
+/// Rigs that run at once: the same number on any machine, so that the output is the same.
 const TOGETHER: usize = 8;
 
-/// What became of a set.
+/// How a set ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
     /// One right name and no wrong one.
     Settled,
     /// A wrong name.
     Wrong,
-    /// Still a set, and every name in it is right: the rig has no one name.
+    /// Still a set, and every name in it is right: no single name describes the rig.
     AllRight,
-    /// Still a set of friction and hysteresis, which only a motion beyond the rig's limits parts.
+    /// Still a set of friction and hysteresis, which only a motion beyond the rig's limits could tell apart.
     GivesWay,
-    /// Still a set of what one phase is in a rig that moves slowly.
+    /// Still a set of timing effects, all of which are the same phase shift in a rig that moves slowly.
     OnePhase,
     /// Still a set with a right name.
     Open,
     /// Still a set, without a right name.
     WrongSet,
-    /// Nothing is named any more.
+    /// Nothing is named anymore.
     Unnamed,
 }
 
@@ -46,13 +46,13 @@ impl End {
         Self::Unnamed,
     ];
 
-    /// Whether a test inside the limits could have told.
+    /// Whether a test within the limits could have settled it.
     fn can_be_told(self) -> bool {
         !matches!(self, Self::AllRight | Self::GivesWay | Self::OnePhase)
     }
 }
 
-/// Who says which test comes next.
+/// What chooses the next test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum By {
     Design,
@@ -63,7 +63,7 @@ enum By {
 struct Played {
     id: String,
     first: Vec<String>,
-    /// By design, by fixed advice: how it ended, after how many tests, with which names.
+    /// By design and by fixed advice: how it ended, after how many tests, and with which names.
     ends: [(End, usize, Vec<String>); 2],
 }
 
@@ -80,7 +80,7 @@ fn stand(field: &Field) -> &Stand {
     field.stand.as_ref().expect("a rig of the field plays")
 }
 
-/// The examinee's model with what the rig may do.
+/// The examinee's model with the rig's limits.
 fn limited(field: &Field) -> Model {
     let Limits {
         displacement_mm,
@@ -103,10 +103,10 @@ fn play(field: &Field, command: &[f64], interval_s: f64, test: usize) -> Recordi
 }
 
 /// What the notes of a set advise without knowing the rig: a chirp, or two amplitudes at two rates with stops at the
-/// reversals; first what the first name's family asks for, then the other.
+/// reversals. The first test is the one for the first name's family, the second is the other.
 fn advised(limits: Limits, timing_first: bool, test: usize, interval_s: f64) -> Vec<f64> {
     let (x, v) = (limits.displacement_mm, limits.velocity_mm_per_s);
-    // A tenth of the room is kept.
+    // A tenth of the range stays free.
     let way = if (test == 0) == timing_first {
         let (a, seconds) = (0.3 * x, 20.0);
         let top = (0.9 * v / (TAU * a)).min(0.05 / interval_s);
@@ -128,7 +128,7 @@ fn advised(limits: Limits, timing_first: bool, test: usize, interval_s: f64) -> 
                 [-1.0, 0.0],
             ] {
                 let [from, to] = [from, to].map(|s: f64| s * share * x);
-                // A half cosine's top speed is pi/2 of its mean.
+                // The top speed of a half cosine is pi/2 times its mean speed.
                 let seconds = 0.25 * TAU * (to - from).abs() / (speed * v);
                 let n = (seconds / interval_s).ceil().max(1.0) as usize;
                 let part = |i: usize| 0.5 - 0.5 * (0.5 * TAU * i as f64 / n as f64).cos();
@@ -142,7 +142,7 @@ fn advised(limits: Limits, timing_first: bool, test: usize, interval_s: f64) -> 
     [rest.clone(), way, rest].concat()
 }
 
-/// Plays at most two tests and says how it ended.
+/// Plays up to two tests and returns how it ended.
 fn settle(field: &Field, first: &Diagnosis, by: By) -> (End, usize, Vec<String>) {
     let [record, test] = recordings(field);
     let declared = limited(field);
@@ -189,10 +189,10 @@ const SLIDES: [&str; 4] = [
 ];
 const PHASE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "oil_column"];
 
-/// How a diagnosis ends what was open.
+/// How a diagnosis settles an open set.
 fn end(truth: &Truth, found: &Diagnosis) -> End {
     let said = said(found);
-    // The tests were chosen so that the motion can tell.
+    // The tests were chosen so that the motion can tell the causes apart.
     let truth = Truth {
         inseparable: false,
         ..truth.clone()
@@ -212,12 +212,12 @@ fn end(truth: &Truth, found: &Diagnosis) -> End {
     }
 }
 
-/// Looks for `wanted` rigs among `seeds` whose first record is ambiguous, and settles them.
+/// Looks for `wanted` rigs among `seeds` whose first record is ambiguous, and tries to settle them.
 pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
     let bar = ProgressBar::new(wanted as u64);
     let mut rigs: Vec<Played> = Vec::new();
     let mut drawn = 0;
-    // In turn, so that no more than are wanted are played.
+    // In chunks, so that few more than are wanted are played.
     for some in seeds.chunks(TOGETHER) {
         if rigs.len() >= wanted {
             break;
@@ -245,7 +245,7 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
         let count = [0, 1].map(|by| rigs.iter().filter(|r| r.ends[by].0 == end).count());
         println!("| {end:?} | {} | {} |", count[0], count[1]);
     }
-    // Of the same rigs for both: of all, and of those that neither leaves open for a reason.
+    // Both columns count the same rigs: all of them, and those that neither way leaves open for a good reason.
     let all = |_: &&Played| true;
     let tellable = |r: &&Played| r.ends.iter().all(|e| e.0.can_be_told());
     let share = |by: usize, of: &dyn Fn(&&Played) -> bool| {

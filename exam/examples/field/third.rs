@@ -1,4 +1,4 @@
-//! What a model that was found leaves of a motion that took no part in anything: neither in the fit nor in the judgement.
+//! What the model found leaves of a motion that was used neither for the fit nor for judging it.
 
 use crate::grading::{model, recording, recordings};
 use diagnosis::{Verdict, diagnose};
@@ -8,24 +8,25 @@ use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Sines of a third motion.
+/// Number of sines in a third motion.
 const SINES: u32 = 12;
 const SECONDS: f64 = 20.0;
-/// As fine as the rig is simulated, s.
+/// The rig's simulation step, s.
 const INTERVAL_S: f64 = 1.25e-4;
 
 struct Third {
     id: String,
     verdict: Verdict,
-    /// rms of what is left, over the load cell's noise: as declared, with the model that was found, and by that of the held-out record.
+    /// Rms of the error over the load cell's noise: of the third motion with the declared model and with the model found, and of
+    /// the held-out record with the model found.
     over_noise: [f64; 3],
 }
 
-/// Sines that come and go, inside what the rig may do: none of them is in another record.
+/// A sum of sines that swells and fades, within the rig's limits. None of them is in another record.
 fn motion(stand: &Stand, seed: u64) -> Vec<f64> {
     let limits = stand.limits();
     let (x, v) = (limits.displacement_mm, limits.velocity_mm_per_s);
-    // At this frequency a sine of all the room has the top speed.
+    // At this frequency a sine over the whole range reaches the top speed.
     let top_hz = v / (TAU * x);
     let sines: Vec<[f64; 3]> = (1..=SINES)
         .map(|k| {
@@ -42,7 +43,7 @@ fn motion(stand: &Stand, seed: u64) -> Vec<f64> {
             .iter()
             .map(|[hz, a, phase]| a * (TAU * (hz * t + phase)).sin())
             .sum();
-        // Without a corner, which a mass would feel.
+        // Without corners, which would show through a mass.
         swell * swell * (3.0 - 2.0 * swell) * sum
     };
     let way: Vec<f64> = (0..n).map(at).collect();
@@ -78,7 +79,7 @@ fn ask(seed: u64) -> Option<Third> {
     })
 }
 
-/// Has each specimen among `seeds` play a third motion.
+/// Has each noisy specimen among `seeds` play a third motion.
 pub fn all(seeds: Vec<u64>, list: bool) {
     let bar = ProgressBar::new(seeds.len() as u64);
     let seeds = seeds.into_par_iter().inspect(|_| bar.inc(1));

@@ -1,8 +1,8 @@
-//! Forces of such devices against displacement: N over mm, on the grid of 8 kHz.
+//! Forces of these devices for a displacement: N for mm, on the 8 kHz grid.
 
 use crate::fine::{DT, derivative};
 
-/// Bouc-Wen's variable, -1 to 1: exponent `n`, equal rates out and back.
+/// The Bouc-Wen variable, -1 to 1, with exponent `n` and `beta = gamma`.
 pub(super) fn bouc_wen(x: &[f64], yield_mm: f64, n: i32) -> Vec<f64> {
     let mut z = 0.0_f64;
     along(x, |_, dx| {
@@ -13,7 +13,7 @@ pub(super) fn bouc_wen(x: &[f64], yield_mm: f64, n: i32) -> Vec<f64> {
     })
 }
 
-/// A spring behind a slider.
+/// A spring in series with a slider.
 pub(super) fn slider(x: &[f64], stiffness: f64, slip: f64) -> Vec<f64> {
     let mut f = 0.0_f64;
     along(x, |_, dx| {
@@ -22,7 +22,7 @@ pub(super) fn slider(x: &[f64], stiffness: f64, slip: f64) -> Vec<f64> {
     })
 }
 
-/// A fluid damper `C |v|^power`, v in m/s, behind a brace of stiffness `k` in N/m where it has one.
+/// A fluid damper `C |v|^power`, v in m/s, in series with a brace of stiffness `k` in N/m if it has one.
 pub(super) fn fluid_damper(x: &[f64], c: f64, power: f64, brace: Option<f64>) -> Vec<f64> {
     const PARTS: u32 = 8;
     let v: Vec<f64> = derivative(x).iter().map(|v| 1e-3 * v).collect();
@@ -36,7 +36,7 @@ pub(super) fn fluid_damper(x: &[f64], c: f64, power: f64, brace: Option<f64>) ->
     v.iter()
         .map(|v| {
             for _ in 0..PARTS {
-                // Implicit in its slope: near zero the dashpot is stiff.
+                // Implicit, with the dashpot's slope: near zero force it is stiff.
                 let over = f.abs() / c;
                 let flow = over.powf(1.0 / power).copysign(f);
                 let slope = over.powf(1.0 / power - 1.0) / (power * c);
@@ -47,11 +47,11 @@ pub(super) fn fluid_damper(x: &[f64], c: f64, power: f64, brace: Option<f64>) ->
         .collect()
 }
 
-/// A lead core that warms: hysteresis whose strength falls with its temperature, and rubber.
+/// Rubber around a lead core that heats up: hysteresis whose strength falls with its temperature.
 /// Kalpakidis and Constantinou, J. Struct. Eng. 135(12), 2009, 1440.
 pub(super) fn lead_rubber(x: &[f64], k: f64, strength: f64, yield_mm: f64) -> Vec<f64> {
     let z = bouc_wen(x, yield_mm, 2);
-    // A core whose strength is 10 MPa times its area, 220 mm high; J/K.
+    // Heat capacity in J/K of a core 220 mm high whose strength is 10 MPa times its area.
     let radius_m = 0.07 * (strength / 1.54e5).sqrt();
     let capacity = 11_200.0 * 130.0 * std::f64::consts::PI * radius_m.powi(2) * 0.22;
     let mut warm = 0.0_f64;
@@ -64,8 +64,8 @@ pub(super) fn lead_rubber(x: &[f64], k: f64, strength: f64, yield_mm: f64) -> Ve
     })
 }
 
-/// High-damping rubber: stiffening, sliders of many sizes (Payne), and a softer way back below the largest strain so far
-/// (Mullins). `height_mm` of the rubber.
+/// High-damping rubber of height `height_mm`: it stiffens, has sliders of many sizes (Payne), and is softer below the largest
+/// strain so far (Mullins).
 pub(super) fn rubber(x: &[f64], height_mm: f64, k: f64, softer: f64) -> Vec<f64> {
     let strain: Vec<f64> = x.iter().map(|x| x / height_mm).collect();
     let yields: Vec<f64> = (0..14)
@@ -95,7 +95,7 @@ pub(super) fn rubber(x: &[f64], height_mm: f64, k: f64, softer: f64) -> Vec<f64>
     each.collect()
 }
 
-/// A friction pendulum: gravity on a dish of 2.24 m, friction that grows with speed from 4 to 8 % of the weight.
+/// A friction pendulum: gravity on a dish of radius 2.24 m, and friction that grows with speed from 4 to 8 % of the weight.
 pub(super) fn pendulum(x: &[f64], weight: f64, per_speed_s_per_m: f64) -> Vec<f64> {
     let z = bouc_wen(x, 0.3, 2);
     let v = derivative(x);
@@ -125,7 +125,7 @@ pub(super) fn restrained_brace(x: &[f64], k: f64, strength: f64) -> Vec<f64> {
     })
 }
 
-/// A brace that yields at 800 kN and buckles at `buckles`, less each time; the way back from a bow is soft.
+/// A brace that yields at 800 kN and buckles at `buckles`, at a lower force each time; straightening from a bow is soft.
 pub(super) fn brace(x: &[f64], buckles: f64) -> Vec<f64> {
     const STIFFNESS: f64 = 1.5e5;
     const YIELDS: f64 = 8e5;
@@ -160,7 +160,7 @@ pub(super) fn brace(x: &[f64], buckles: f64) -> Vec<f64> {
     })
 }
 
-/// A nailed timber wall: a backbone that curves, and reloading that is pinched and aims at the largest drift so far.
+/// A nailed timber wall: a curved backbone, and pinched reloading towards the largest drift so far.
 /// After Folz and Filiatrault, J. Struct. Eng. 127(4), 2001, 361.
 pub(super) fn timber_wall(x: &[f64], size: f64) -> Vec<f64> {
     let (k, level, pinch) = (1200.0 * size, 1.8e4 * size, 3.5e3 * size);
@@ -199,7 +199,7 @@ pub(super) fn timber_wall(x: &[f64], size: f64) -> Vec<f64> {
     })
 }
 
-/// A reinforced-concrete column: unloading that softens with the largest drift, reloading towards it.
+/// A reinforced-concrete column: unloading softens with the largest drift, and reloading aims at it.
 /// Clough and Johnston, Proc. Japan Earthq. Eng. Symp., 1966, 227; unloading after Takeda et al., 1970.
 pub(super) fn concrete_column(x: &[f64], k: f64, strength: f64, unloading: f64) -> Vec<f64> {
     const HARDENING: f64 = 0.04;
@@ -243,7 +243,7 @@ pub(super) fn concrete_column(x: &[f64], k: f64, strength: f64, unloading: f64) 
     })
 }
 
-/// Shape-memory wires: a flag, from `up` on the way out to `down` on the way back.
+/// Shape-memory wires: a flag-shaped loop that yields at `up` going out and returns at `down`.
 pub(super) fn flag(x: &[f64], k: f64, [up, down]: [f64; 2]) -> Vec<f64> {
     let bound = |x: f64, level: f64| (k * x).min(level + 0.06 * k * (x - level / k));
     let mut f = 0.0_f64;
@@ -255,7 +255,7 @@ pub(super) fn flag(x: &[f64], k: f64, [up, down]: [f64; 2]) -> Vec<f64> {
     })
 }
 
-/// A wall that rocks: elastic to `lifts` and soft beyond it, with yielding bars where `bars` are strong.
+/// A rocking wall: elastic up to the force `lifts` and soft beyond it, with bars that yield at the force `bars` (0: no bars).
 pub(super) fn rocking_wall(x: &[f64], k: f64, lifts: f64, bars: f64) -> Vec<f64> {
     let wall = |x: f64| 0.05 * k * x + 0.95 * lifts * (k * x / lifts).tanh();
     let yields = if bars > 0.0 {
@@ -269,7 +269,7 @@ pub(super) fn rocking_wall(x: &[f64], k: f64, lifts: f64, bars: f64) -> Vec<f64>
         .collect()
 }
 
-/// A spring in series with a bolted joint: it slips at `slips` until the bolts bear, `gap` mm to each side.
+/// A spring in series with a bolted joint that slips at the force `slips` until its bolts bear, `gap` mm to each side.
 pub(super) fn bolted_joint(x: &[f64], k: f64, slips: f64, gap: f64) -> Vec<f64> {
     let mut slipped = 0.0_f64;
     along(x, |x, _| {
@@ -280,8 +280,8 @@ pub(super) fn bolted_joint(x: &[f64], k: f64, slips: f64, gap: f64) -> Vec<f64> 
     })
 }
 
-/// A magnetorheological damper at a voltage, with the published parameters.
-/// Spencer et al., J. Eng. Mech. 123(3), 1997, 230, table 2; cm there.
+/// A magnetorheological damper at a voltage, with the published parameters (in cm):
+/// Spencer et al., J. Eng. Mech. 123(3), 1997, 230, table 2.
 pub(super) fn mr_damper(x: &[f64], volts: f64) -> Vec<f64> {
     const PARTS: u32 = 6;
     let (alpha, c0, c1) = (
@@ -304,13 +304,13 @@ pub(super) fn mr_damper(x: &[f64], volts: f64) -> Vec<f64> {
                 z += h * (-gamma * w.abs() * z * z.abs() - beta * w * z * z + a * w);
                 y += h * rate;
             }
-            // The accumulator's preload is taken off by the zero.
+            // Zeroing the load cell removes the accumulator's preload.
             c1 * rate + k1 * x
         })
         .collect()
 }
 
-/// A frame with a spring whose force grows by `more` of itself at `peak_mm`, cubically; `[k, c, m]` in N/mm, N s/mm, kg.
+/// A frame with a cubic spring whose force at `peak_mm` is larger by the share `more`; `[k, c, m]` in N/mm, N s/mm, kg.
 pub(super) fn stiffening_frame(
     x: &[f64],
     [k, c, m]: [f64; 3],
@@ -324,7 +324,7 @@ pub(super) fn stiffening_frame(
     (0..x.len()).map(force).collect()
 }
 
-/// A law that goes step by step: of displacement and its step, mm.
+/// Applies a law step by step to the displacement and its increment, mm.
 fn along(x: &[f64], mut law: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
     let mut before = x.first().copied().unwrap_or_default();
     x.iter()
@@ -348,7 +348,7 @@ mod tests {
             .collect()
     }
 
-    /// Work done on it, J.
+    /// Work done on the device, J.
     fn work(x: &[f64], f: &[f64]) -> f64 {
         let steps = x.windows(2).zip(f.windows(2));
         steps
@@ -362,7 +362,7 @@ mod tests {
         let f = slider(&x, 1000.0, 2000.0);
         let second = x.len() / 2;
         let took = work(&x[second..], &f[second..]);
-        // Of 10 mm to each side 2 mm are the spring's.
+        // The spring takes 2 of the 10 mm to each side.
         let exact = 4.0 * 2000.0 * (10.0 - 2.0) * 1e-3;
         assert!((took / exact - 1.0).abs() < 1e-3, "{took} J of {exact}");
     }
@@ -374,7 +374,7 @@ mod tests {
         let omega = std::f64::consts::TAU;
         let exact = std::f64::consts::PI * 2e5 * omega * 0.01_f64.powi(2);
         assert!((work(&x, &f) / exact - 1.0).abs() < 1e-3);
-        // Behind a brace it is Maxwell's: force over displacement is k i w tau / (1 + i w tau).
+        // With a brace it is a Maxwell element: force over displacement is k i w tau / (1 + i w tau).
         let x = cycles(10.0, 1.0, 4.0);
         let f = fluid_damper(&x, 2e5, 1.0, Some(4e6));
         let turn = omega * 2e5 / 4e6;

@@ -1,6 +1,6 @@
 //! Specimens of earthquake laboratories: bearings, dampers, braces, walls and columns, moved by cycles and earthquakes of
-//! their size, and declared as such laboratories declare them. Drawn first, in another language, by somebody who had read the
-//! tool's documents and none of its code; the kinds, sizes, motions and answers are his.
+//! their size, and declared as such laboratories declare them. They were first written, in another language, by somebody who
+//! had read the tool's documents and none of its code; the kinds, sizes, motions and answers are that person's.
 //!
 //! [`set_device`] makes one [`Field`] from a seed.
 
@@ -15,7 +15,7 @@ use crate::noise::convert;
 use crate::record::Record;
 use motion::{AFTER_S, Motion};
 
-/// What stands in the rig.
+/// The specimen in the rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Device {
     LeadRubberBearing,
@@ -54,15 +54,15 @@ pub fn devices() -> impl Iterator<Item = &'static str> {
     ALL.iter().map(|d| d.name())
 }
 
-/// A specimen's force, what is declared of it, and the key.
+/// A specimen's force, what is declared about it, and the key.
 struct Specimen {
     force_n: Vec<f64>,
-    /// Stiffness N/mm, damping N s/mm, mass kg: value and tolerance.
+    /// Stiffness in N/mm, damping in N s/mm and mass in kg: value and tolerance.
     declared: [Option<[f64; 2]>; 3],
     truth: Truth,
 }
 
-/// The record of a seed; devices take turns.
+/// The record of a seed; the devices take turns.
 pub fn set_device(seed: u64) -> Field {
     let dice = &mut Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xDE71C);
     let device = ALL[(seed % ALL.len() as u64) as usize];
@@ -71,7 +71,7 @@ pub fn set_device(seed: u64) -> Field {
     let specimen = device.specimen(&motion.x, peak_mm, dice);
     let twelve_bits = dice.chance(0.25);
     let record = recorded(&motion, &specimen.force_n, twelve_bits, dice);
-    // The end of the rest and some three fifths of the motion to learn from.
+    // The training part is the rest and 0.62 of the motion.
     let share =
         (motion.rest_s + 0.62 * (motion.seconds() - motion.rest_s - AFTER_S)) / motion.seconds();
     let n = record.time_s.len();
@@ -111,7 +111,7 @@ pub fn set_device(seed: u64) -> Field {
     }
 }
 
-/// With white noise of both transducers, and a converter's steps where it has 12 bits.
+/// Samples the motion with white noise of both transducers and, with `twelve_bits`, a converter's steps.
 fn recorded(motion: &Motion, force_n: &[f64], twelve_bits: bool, dice: &mut Dice) -> Record {
     let every = (FINE_HZ / motion.rate_hz) as usize;
     let read = |x: &[f64], noise: f64, dice: &mut Dice| -> Vec<f64> {
@@ -144,7 +144,7 @@ fn recorded(motion: &Motion, force_n: &[f64], twelve_bits: bool, dice: &mut Dice
 
 const HYSTERESIS: [&str; 2] = ["bilinear_hysteresis", "bouc_wen_hysteresis"];
 
-/// A key: right names, and names that are no mistake beside them.
+/// A key: the right names, and names that are no mistake beside them.
 fn key(right: &[&[&'static str]], beside: &[&'static str]) -> Truth {
     Truth {
         right: right.concat(),
@@ -172,7 +172,7 @@ impl Device {
         }
     }
 
-    /// The largest displacement of its tests, mm; drawn about it.
+    /// Typical largest displacement of its tests, mm; the actual one is drawn around it.
     const fn size_mm(self) -> f64 {
         match self {
             Self::LeadRubberBearing => 200.0,
@@ -186,7 +186,7 @@ impl Device {
         }
     }
 
-    /// Whether its force hardly knows speed, so that laboratories test it slowly.
+    /// Whether its force hardly depends on speed, so that laboratories test it slowly.
     const fn is_slow(self) -> bool {
         matches!(
             self,
@@ -202,7 +202,7 @@ impl Device {
 
     fn specimen(self, x: &[f64], peak_mm: f64, dice: &mut Dice) -> Specimen {
         let size = dice.log_between(0.6, 1.5);
-        // Stiffness alone, known to a share.
+        // Only a stiffness, with a tolerance that is a share of it.
         let spring = |k: f64, share: f64| [Some([k, share * k]), None, None];
         match self {
             Self::LeadRubberBearing => {
@@ -235,7 +235,7 @@ impl Device {
                         Some([0.0, 2.0]),
                         None,
                     ],
-                    // Greater in motion than at rest: Stribeck's is the other way.
+                    // Its friction is greater in motion than at rest; Stribeck friction is the opposite.
                     truth: key(&[&["coulomb_friction"], &HYSTERESIS], &["viscous_damping"]),
                 }
             }
@@ -243,13 +243,13 @@ impl Device {
                 let power = dice.pick(&[0.3, 0.4, 0.6, 1.0]);
                 let c = dice.log_between(2e5, 6e5);
                 let brace = dice.chance(0.5).then(|| c * dice.log_between(15.0, 60.0));
-                // A linear damper of the same force at 0.25 m/s, and a tenth more.
+                // A linear damper with the same force at 0.25 m/s; declared a tenth larger.
                 let linear = 1e-3 * c * 0.25_f64.powf(power - 1.0);
                 Specimen {
                     force_n: law::fluid_damper(x, c, power, brace),
                     declared: [Some([0.0, 10.0]), Some([1.1 * linear, 0.15 * linear]), None],
                     truth: match brace {
-                        // Its constant is within its tolerance.
+                        // The true constant is within the tolerance.
                         None if power == 1.0 => Truth::default(),
                         None => key(&[&["viscous_damping"]], &[]),
                         Some(_) => key(&[&["maxwell_damper"]], &["viscous_damping"]),
@@ -348,7 +348,7 @@ impl Device {
                     declared: [Some([0.5, 0.5]), Some([2.1 + 0.35 * volts, 0.5]), None],
                     truth: key(
                         &[&["coulomb_friction"], &HYSTERESIS],
-                        // A dashpot stands in series with all of it.
+                        // A dashpot is in series with the whole damper.
                         &["viscous_damping", "quadratic_damping", "maxwell_damper"],
                     ),
                 }

@@ -1,4 +1,4 @@
-//! How earthquake laboratories move bearings, dampers, braces and walls. Displacement in mm on the grid of 8 kHz.
+//! How earthquake laboratories move bearings, dampers, braces and walls. Displacement in mm on the 8 kHz grid.
 
 use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ, lag, peak};
@@ -10,17 +10,17 @@ pub(super) struct Motion {
     /// mm
     pub(super) x: Vec<f64>,
     pub(super) rate_hz: f64,
-    /// Before it moves, s.
+    /// Rest before the motion, s.
     pub(super) rest_s: f64,
     pub(super) name: &'static str,
 }
 
-/// Stands still after it has moved, s.
+/// Rest after the motion, s.
 pub(super) const AFTER_S: f64 = 1.0;
 
 impl Motion {
-    /// Cycles or an earthquake with a largest displacement of `peak_mm`; `slow`: as specimens are tested whose speed does
-    /// not matter.
+    /// Cycles, sines or an earthquake with a largest displacement of `peak_mm`; `slow` is for specimens whose force hardly
+    /// depends on speed.
     pub(super) fn draw(peak_mm: f64, slow: bool, dice: &mut Dice) -> Self {
         let rate_hz = if slow {
             dice.pick(&[50.0, 100.0])
@@ -46,7 +46,7 @@ impl Motion {
             x: if name == "earthquake" || name == "slow earthquake" {
                 x
             } else {
-                // The actuator rounds corners off.
+                // The actuator rounds off the corners.
                 lag(&lag(&x, 0.02), 0.02)
             },
             rate_hz,
@@ -55,13 +55,13 @@ impl Motion {
         }
     }
 
-    /// Of rest and motion, s.
+    /// Length with the rests, s.
     pub(super) fn seconds(&self) -> f64 {
         self.x.len() as f64 * DT
     }
 }
 
-/// Triangles of growing and then changing size at one speed, in peaks a second.
+/// Triangle waves of growing and then changing size, all at the speed of `peaks_per_s` times `peak_mm` a second.
 fn growing_cycles(peak_mm: f64, peaks_per_s: f64) -> Vec<f64> {
     let sizes = [
         (0.1, 3),
@@ -83,7 +83,7 @@ fn growing_cycles(peak_mm: f64, peaks_per_s: f64) -> Vec<f64> {
     sizes.into_iter().flat_map(block).collect()
 }
 
-/// Three sines each of several sizes and frequencies, as prototypes of bearings and dampers are tested.
+/// Three cycles each at several sizes and frequencies, as in prototype tests of bearings and dampers.
 fn sines(peak_mm: f64) -> Vec<f64> {
     let runs = [
         (0.25, 0.2),
@@ -102,7 +102,7 @@ fn sines(peak_mm: f64) -> Vec<f64> {
     runs.into_iter().flat_map(block).collect()
 }
 
-/// The displacement of an oscillator, 7 % damped, under noise of 0.2 to 8 Hz that comes and goes.
+/// The displacement of an oscillator with 7 % damping under noise of 0.2 to 8 Hz that swells and fades.
 fn earthquake(peak_mm: f64, period_s: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
     let n = (seconds * FINE_HZ) as usize;
     let white: Vec<f64> = (0..n).map(|_| dice.normal()).collect();

@@ -176,7 +176,7 @@ pub(super) fn draw(
     })
 }
 
-/// Motion that goes in and does not come out: of the actuator, or before the specimen's spring.
+/// Lost motion: of the actuator, or ahead of the specimen's spring.
 fn lost(
     range: (f64, f64),
     equation: &'static str,
@@ -205,7 +205,7 @@ fn average(
         .collect()
 }
 
-/// `-1..1` over twice the pre-sliding distance after a reversal.
+/// Goes from one end of `-1..1` to the other over twice the pre-sliding distance after a reversal.
 fn slider(x: &[f64], presliding: f64) -> impl Iterator<Item = f64> {
     let (mut z, mut before) = (0.0_f64, x[0]);
     x.iter().map(move |x| {
@@ -234,7 +234,7 @@ fn lugre(
     })
 }
 
-/// Play of a width, the output in its middle at first.
+/// Play of a given width; the output starts in the middle.
 fn play(x: &[f64], width: f64) -> Vec<f64> {
     let mut at = x[0];
     x.iter()
@@ -271,7 +271,7 @@ mod tests {
             .collect()
     }
 
-    /// Work over the second period of the sine.
+    /// Work during the second period of the sine.
     fn loop_area(x: &[f64], f: &[f64]) -> f64 {
         (8000..15_999)
             .map(|i| 0.5 * (f[i] + f[i + 1]) * (x[i + 1] - x[i]))
@@ -282,7 +282,7 @@ mod tests {
     fn lugre_takes_the_work_of_friction_less_its_pre_sliding() {
         let x = sine();
         let f: Vec<f64> = lugre(&x, 20.0, 0.05, |_| 1.0).collect();
-        // Each way loses 2 x (force x pre-sliding) to the bristles' turning: the integral of 2 exp(-s / p).
+        // Each reversal loses 2 x (force x pre-sliding) while the bristles turn over: the integral of 2 exp(-s / p).
         let exact = 2.0 * 20.0 * (10.0 - 2.0 * 0.05);
         assert!((loop_area(&x, &f) / exact - 1.0).abs() < 5e-3);
     }

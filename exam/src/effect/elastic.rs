@@ -1,4 +1,4 @@
-//! Springs that are not straight.
+//! Nonlinear springs.
 
 use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
@@ -15,7 +15,7 @@ pub(super) fn draw(
     }
     let largest = scale.x;
     let sign = dice.sign();
-    // `shape` is the added force at the drift in units of the largest, over k.
+    // `shape` is the added force over k, at a drift `r`; both in units of the largest drift.
     let spring = |equation, shape: Box<dyn Fn(f64, f64) -> f64 + Send + Sync>| {
         Physics::new(equation, (0.01, 1.9), move |s, scene, y| {
             let m = scene.motion();

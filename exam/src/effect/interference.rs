@@ -1,4 +1,4 @@
-//! What comes from the mains, and what the converter takes away.
+//! Mains hum, and what the converter rounds away.
 
 use super::physics::{Acts, Channel, Physics, Scale, plus};
 use crate::dice::Dice;

@@ -1,4 +1,4 @@
-//! Ends of stroke, of scale and of flow; pistons that push and pull differently.
+//! Limits of stroke, range and flow; pistons that push and pull differently.
 
 use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
@@ -17,7 +17,7 @@ pub(super) fn draw(
     } else {
         scale.x * scale.k
     };
-    // Peaks of velocity are some four times its rms.
+    // The peak velocity is about four times its rms.
     let fastest = 4.0 * scale.v;
     Some(match (name, channel) {
         ("saturation", _) if unseen => {

@@ -1,4 +1,4 @@
-//! What can be hidden: every name of the effect list, in every channel where it shows, in two sets of equations.
+//! The effects that can be hidden: every name of the effect list, in every channel where it shows, in two sets of equations.
 
 mod contact;
 mod elastic;
@@ -16,7 +16,7 @@ pub use physics::{Channel, Equations};
 
 use crate::dice::Dice;
 
-/// Name, family, channel; one line an effect that can be hidden.
+/// Name, family and channel of each effect that can be hidden.
 pub const LIST: &[(&str, &str, Channel)] = {
     use Channel::{Actuator as A, Specimen as S};
     &[
@@ -63,28 +63,28 @@ pub const LIST: &[(&str, &str, Channel)] = {
     ]
 };
 
-/// The family of a name; none where the list does not know it.
+/// The family of a name; none if the name is not in the list.
 pub fn family(name: &str) -> Option<&'static str> {
     LIST.iter().find(|e| e.0 == name).map(|e| e.1)
 }
 
-/// Names that leave the same traces in a record of a rig whose specimen is linear otherwise, so that no analysis can
+/// Names that leave the same traces in the record of a rig whose specimen is otherwise linear, so that no analysis can
 /// tell them from `name`.
 pub fn indistinguishable(name: &str, channel: Channel) -> &'static [&'static str] {
     match (name, channel) {
-        // A constant share of the displacement or the force is lost, whatever takes it.
+        // A constant share of the displacement or the force is lost, whatever the reason.
         ("gain_error", _) => &["rig_compliance"],
         ("rig_compliance", _) => &["gain_error"],
         // F(t + d) is F + k d v.
         ("viscous_damping", _) => &["channel_skew"],
-        // What holds a controlled actuator back by a constant distance is what a play does.
+        // Holding a controlled actuator back by a constant distance looks like play.
         ("backlash", Channel::Actuator) => &["coulomb_friction"],
         ("coulomb_friction", Channel::Actuator) => &["backlash"],
         _ => &[],
     }
 }
 
-/// A force that is early, or a displacement that is late: on a spring, what damping does.
+/// A force that is early or a displacement that is late; on a spring it looks like damping.
 pub(crate) fn early_force() -> Physics {
     Physics {
         name: "channel_skew",
@@ -93,7 +93,7 @@ pub(crate) fn early_force() -> Physics {
     }
 }
 
-/// Draws the shape of an effect; none where the list has no such effect in that channel.
+/// Draws the shape of an effect; none if the list has no such effect in that channel.
 pub(crate) fn draw(
     name: &'static str,
     channel: Channel,

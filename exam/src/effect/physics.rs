@@ -1,9 +1,9 @@
-//! What a hidden effect is made of.
+//! The parts of a hidden effect.
 
 use crate::rig::{Drive, Motion, Scene};
 use std::fmt;
 
-/// Which half of the model an effect is in.
+/// The half of the model that an effect is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Channel {
     /// Command to displacement.
@@ -13,7 +13,7 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// Both.
+    /// Both channels.
     pub const ALL: [Self; 2] = [Self::Actuator, Self::Specimen];
 
     /// The name in answers.
@@ -25,7 +25,7 @@ impl Channel {
     }
 }
 
-/// Which equations a hidden effect follows.
+/// The set of equations that a hidden effect follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Equations {
     /// The textbook form, as the effect list describes it.
@@ -34,7 +34,7 @@ pub enum Equations {
     Unseen,
 }
 
-/// Sizes that tell what is large on this rig.
+/// Sizes that define what is large on this rig.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     /// Largest displacement, mm.
@@ -52,30 +52,30 @@ pub(crate) struct Scale {
 type Apply = Box<dyn Fn(f64, &Scene, &[f64]) -> Vec<f64> + Send + Sync>;
 type Parameters = Box<dyn Fn(f64) -> Vec<(&'static str, f64)> + Send + Sync>;
 
-/// Where in the chain an effect acts.
+/// The place in the chain where an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Acts {
     /// On the true displacement or force.
     Motion,
-    /// On the signal between sensor and converter: what is read, not what is.
+    /// On the signal between sensor and converter: only what is read changes, not the true value.
     Signal,
     /// On the reading, after its noise.
     Reading,
 }
 
-/// A hidden effect, whose strength is yet to be chosen.
+/// A hidden effect whose strength is not yet chosen.
 pub(crate) struct Physics {
     pub(crate) name: &'static str,
     pub(crate) channel: Channel,
-    /// What it is, for the key.
+    /// Its description, for the key.
     pub(crate) equation: &'static str,
-    /// Weakest and strongest that is thinkable.
+    /// Weakest and strongest plausible strength.
     pub(crate) range: (f64, f64),
     /// The channel's signal with the effect.
     pub(crate) apply: Apply,
-    /// The parameters that the effect list gives it; of unseen equations none.
+    /// The parameters that the effect list gives it; none for unseen equations.
     pub(crate) parameters: Parameters,
-    /// Where in the chain.
+    /// Where in the chain it acts.
     pub(crate) acts: Acts,
 }
 
@@ -112,7 +112,7 @@ impl fmt::Debug for Physics {
 }
 
 impl Scene {
-    /// Of an effect in the actuator.
+    /// The scene of an effect in the actuator.
     pub(crate) fn drive(&self) -> &Drive {
         match self {
             Self::Actuator(drive) => drive,
@@ -120,7 +120,7 @@ impl Scene {
         }
     }
 
-    /// Of an effect in the specimen.
+    /// The scene of an effect in the specimen.
     pub(crate) fn motion(&self) -> &Motion {
         match self {
             Self::Specimen(motion) => motion,

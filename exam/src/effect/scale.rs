@@ -1,4 +1,4 @@
-//! Wrong factors and wrong zeros.
+//! Wrong scale factors and wrong zeros.
 
 use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;

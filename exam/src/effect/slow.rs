@@ -1,4 +1,4 @@
-//! What changes with time.
+//! Slow changes with time.
 
 use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
@@ -14,7 +14,7 @@ pub(super) fn draw(
     let actuator = channel == Channel::Actuator;
     let sign = dice.sign();
     let unit = if actuator { scale.x } else { scale.x * scale.k };
-    // A third of the range, squared.
+    // About the square of a third of the range.
     let power = 0.1 * unit * unit;
     let seconds = scale.seconds;
     let clock = |n: usize| (0..n).map(|i| i as f64 * DT);

@@ -1,4 +1,4 @@
-//! Too late, too slow, ringing.
+//! Delays, lags and ringing.
 
 use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
@@ -65,7 +65,7 @@ pub(super) fn draw(
         ("oil_column", Actuator) => {
             let ratio = dice.between(0.08, 0.3);
             let linear = if unseen { 0.5 * ratio } else { ratio };
-            // As much again at the typical speed.
+            // As much as the linear part at the typical speed.
             let quadratic = if unseen { 0.5 * ratio / scale.v } else { 0.0 };
             let physics = Physics::new(
                 if unseen {

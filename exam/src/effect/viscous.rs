@@ -18,7 +18,7 @@ pub(super) fn draw(
     let force = scale.k * scale.x;
     let range = (1e-4 * force, force);
     let typical = scale.v;
-    // A force at the typical velocity is the strength of all three dampers.
+    // The strength of each of the three dampers is its force at the typical velocity.
     let power = |equation, exponent: f64| {
         Physics::new(equation, range, move |s, scene, y| {
             let v = scene.motion().v.iter();
@@ -37,7 +37,7 @@ pub(super) fn draw(
         "quadratic_damping" => power("c v |v|", 2.0)
             .with(move |s| vec![("damping_n_s2_per_mm2", s / (typical * typical))]),
         "maxwell_damper" => {
-            // Viscous at the low end of the band, elastic at the high end.
+            // Viscous at the lower end of the band, elastic at the upper end.
             let relaxes = 1.0 / (TAU * scale.high_hz * dice.between(0.15, 0.5));
             let branches: Vec<(f64, f64)> = if unseen {
                 vec![(0.6, 0.6 * relaxes), (0.4, 1.6 * relaxes)]
@@ -59,7 +59,7 @@ pub(super) fn draw(
                     plus(
                         y,
                         m.v.iter().map(|v| {
-                            // Over the step that ends here.
+                            // Mean over the step that ends here.
                             let mean = 0.5 * (v + before);
                             before = *v;
                             for (f, (share, time)) in forces.iter_mut().zip(&branches) {

@@ -15,7 +15,7 @@ pub(super) fn draw(
     }
     let left = dice.between(0.05, 0.6);
     let largest = scale.x;
-    // Strength is how far beyond yield the largest drift goes.
+    // The strength is the largest drift over the yield drift.
     let range = (1.0, 8.0);
     let yields = move |s: f64| largest / s;
     Some(match name {
@@ -56,7 +56,7 @@ pub(super) fn draw(
                     m.x.iter().map(|x| {
                         let way = x - before;
                         before = *x;
-                        // dz/dx = 1 - |z/d|^n (1 + sign(v z)) / 2, in two half steps.
+                        // dz/dx = 1 - |z/d|^n (1 + sign(v z)) / 2, by the midpoint rule.
                         let slope = |z: f64| {
                             1.0 - (z / d).abs().powf(sharpness)
                                 * if z * way > 0.0 { 1.0 } else { 0.0 }
@@ -79,8 +79,8 @@ pub(super) fn draw(
     })
 }
 
-/// Deformation that a parallel group of sliders keeps, less the drift: yields from `yield_mm / spread` to
-/// `yield_mm * spread` in geometric steps; one slider where the spread is 1.
+/// Mean elastic deformation of a parallel group of sliders, minus the drift. The yields go from `yield_mm / spread` to
+/// `yield_mm * spread` in geometric steps; with a spread of 1 there is one slider.
 fn iwan(x: &[f64], yield_mm: f64, spread: f64) -> impl Iterator<Item = f64> {
     let n = if spread > 1.0 { 10 } else { 1 };
     let mut sliders: Vec<(f64, f64)> = (0..n)

@@ -1,4 +1,4 @@
-//! Servo-hydraulic actuators: valve, oil column, cylinder and its control, and what is wrong with them.
+//! Servo-hydraulic actuators (valve, oil column, cylinder and control) and their faults.
 
 use super::mark::Truth;
 use super::motion::{Move, Plan};
@@ -6,7 +6,7 @@ use crate::dice::Dice;
 use crate::fine::{DT, delay};
 use std::f64::consts::TAU;
 
-/// What nobody declared.
+/// The undeclared cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Drive {
     Nothing,
@@ -57,11 +57,11 @@ impl Drive {
     }
 }
 
-/// An actuator: a valve's opening follows the error, the flow through it moves the oil, the oil's spring the mass.
+/// An actuator: the valve's opening follows the error, the flow through it moves the oil, and the oil's spring moves the mass.
 #[derive(Clone, Debug)]
 pub(super) struct Rig {
     cause: Drive,
-    /// Delay and lag as they would be without the cause, ms.
+    /// Delay and lag without the cause, ms.
     pub(super) declared_ms: [f64; 2],
     delay_s: f64,
     lag_s: f64,
@@ -97,7 +97,7 @@ impl Rig {
             } else {
                 1.0
             },
-            // Behind the loop's gain, or near it.
+            // Near the loop's bandwidth if the column is soft, otherwise far above it.
             oil_hz: if soft {
                 (2.0 + 2.0 * size) / (TAU * lag_s)
             } else {
@@ -122,7 +122,7 @@ impl Rig {
     pub(super) fn displacement(&self, command: &[f64], dice: &mut Dice) -> Vec<f64> {
         let late = delay(command, self.delay_s);
         let (big, top) = (self.amplitude_mm, self.speed);
-        // The largest opening, mm: what the answer is behind its command.
+        // The largest opening, mm: how far the displacement lags behind its command at top speed.
         let open = top * self.lag_s;
         let omega = TAU * self.oil_hz;
         let (mut ram, mut x, mut v) = (self.gain * late[0], self.gain * late[0], 0.0);
@@ -153,11 +153,11 @@ impl Rig {
                     }
                     _ => {}
                 }
-                // Oil that the valve let in, as the place where the ram would be without the oil's spring.
+                // The oil let in by the valve, as the position that the ram would have if the oil were rigid.
                 ram += DT * e / self.lag_s;
                 let mut pull = omega * omega * (ram - x) - 2.0 * self.damping * omega * v;
                 if self.cause == Drive::SealFriction {
-                    // Friction that bends the oil column by a share of the amplitude.
+                    // Friction that compresses the oil column by a share of the amplitude.
                     let bend = big * (0.01 + 0.04 * self.size);
                     let stiff = 1.0 / (big * 2e-3);
                     bristle = (bristle + DT * v) / (1.0 + DT * stiff * v.abs());
@@ -191,14 +191,14 @@ impl Rig {
             Drive::Later => (&["delay_error"], &[]),
             Drive::Gain => (&["gain_error"], &[]),
             Drive::OilColumn => (&["oil_column", "second_lag"], &timing),
-            // A valve's overlap in a closed loop is lost motion, as friction behind an elastic oil column is.
+            // In a closed loop, valve overlap is lost motion, just like friction behind an elastic oil column.
             Drive::Overlap => (&["dead_band"], &timing),
             Drive::UnequalAreas => (&["asymmetric_actuator"], &timing),
             Drive::FlowLimit => (&["rate_limit", "saturation"], &timing),
             Drive::SealFriction => (&["coulomb_friction", "stribeck_friction"], &timing),
             Drive::LinkPlay => (&["backlash"], &[]),
         };
-        // At one frequency everything linear is one gain and one phase.
+        // At one frequency everything linear is just a gain and a phase.
         let linear = matches!(self.cause, Drive::Slower | Drive::Later | Drive::OilColumn);
         Truth {
             whole: Vec::new(),

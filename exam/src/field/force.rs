@@ -1,4 +1,4 @@
-//! Specimens: spring, damper and mass, and elements in parallel and in series that nobody declared.
+//! Specimens: a spring, damper and mass, and undeclared elements in parallel or in series.
 
 use super::mark::Truth;
 use super::motion::{Move, Plan};
@@ -6,7 +6,7 @@ use crate::dice::Dice;
 use crate::fine::{DT, derivative, rms};
 use std::f64::consts::TAU;
 
-/// What is in the specimen beside spring, damper and mass.
+/// What the specimen contains besides spring, damper and mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
     Nothing,
@@ -93,7 +93,7 @@ impl Cause {
         }
     }
 
-    /// Whether the cause shows only over many amplitudes or rates; one frequency alone is another question.
+    /// Whether the cause shows only over many amplitudes or rates. A single frequency would be another question.
     const fn needs_breadth(self) -> bool {
         matches!(
             self,
@@ -101,7 +101,7 @@ impl Cause {
         )
     }
 
-    /// What a laboratory moves it by: where damage follows the peak, cycles that grow.
+    /// The motion that a laboratory uses: growing cycles if damage follows the peak.
     pub(super) fn motion(self, dice: &mut Dice) -> Move {
         if self == Self::FadesWithPeak {
             return Move::Growing;
@@ -110,28 +110,28 @@ impl Cause {
     }
 }
 
-/// Tolerance of the declared damping, as a share.
+/// Tolerance of the declared damping, as a share of it.
 pub(super) const DAMPING_KNOWN: f64 = 0.1;
-/// Tolerances within which a declared parameter may be refitted.
+/// Number of tolerances within which a declared parameter may be refitted.
 const WITHIN: f64 = 3.0;
-/// Share of its stiffness that a specimen of full size loses.
+/// Share of the stiffness that is lost at a `size` of 1.
 const LOST: f64 = 0.7;
 
 /// A specimen.
 #[derive(Clone, Debug)]
 pub(super) struct Rig {
     cause: Cause,
-    /// Stiffness N/mm, damping N s/mm, mass kg.
+    /// Stiffness in N/mm, damping in N s/mm, mass in kg.
     pub(super) linear: [f64; 3],
     amplitude_mm: f64,
     speed: f64,
     /// The cause's force over the spring's.
     size: f64,
-    /// Its shape, 0 to 1, and two more.
+    /// Three numbers from 0 to 1 that give its shape.
     shape: [f64; 3],
-    /// Frequencies and phases of what comes from elsewhere.
+    /// Frequencies and phases of disturbances from elsewhere.
     lines: Vec<[f64; 2]>,
-    /// What the mass is more than declared, kg: its force is that share of the spring's in the first motion.
+    /// Mass beyond the declared one, kg: in the first motion its force is the share `size` of the spring's.
     more_mass_kg: Option<f64>,
 }
 
@@ -139,7 +139,7 @@ impl Rig {
     pub(super) fn draw(plan: &Plan, cause: Cause, dice: &mut Dice) -> Self {
         let k = dice.log_between(50.0, 5000.0) / plan.amplitude_mm;
         let omega = TAU * 0.5 * plan.high_hz;
-        // The rig moves below its own frequency.
+        // The rig is moved below its own natural frequency.
         let m = if dice.chance(0.5) {
             1e3 * k * dice.between(0.05, 0.5) / omega.powi(2)
         } else {
@@ -168,12 +168,12 @@ impl Rig {
         self.linear[0] * self.amplitude_mm
     }
 
-    /// Damping whose force at top speed is the spring's, N s/mm.
+    /// Damping whose force at top speed equals the spring's, N s/mm.
     pub(super) fn damping_unit(&self) -> f64 {
         self.linear_force() / self.speed
     }
 
-    /// Of a dashpot beside friction, N s/mm: half to twice the friction at top speed.
+    /// Constant of a dashpot beside friction, N s/mm: at top speed its force is half to twice the friction.
     fn dashpot(&self) -> f64 {
         (0.5 + 1.5 * self.shape[1]) * self.size * self.damping_unit()
     }
@@ -196,7 +196,7 @@ impl Rig {
             .collect()
     }
 
-    /// Force of what nobody declared, N.
+    /// Force of the undeclared element, N.
     fn element(&self, x: &[f64], v: &[f64], dice: &mut Dice) -> Vec<f64> {
         let force = self.size * self.linear_force();
         let (big, top, [s, r, q]) = (self.amplitude_mm, self.speed, self.shape);
@@ -205,7 +205,7 @@ impl Rig {
         };
         let step = |i: usize| x[i] - x[i.saturating_sub(1)];
         let stiff = 1.0 / (big * (0.001 + 0.015 * s));
-        // Beside a dashpot friction is Coulomb's: the same at any speed.
+        // Beside a dashpot the friction is Coulomb's: the same at any speed.
         let falls = f64::from(self.cause != Cause::FrictionAndDashpot);
         let (drop, slow) = (0.5 * r * falls, (0.03 + 0.15 * q) * top);
         let mut bristle = 0.0_f64;
@@ -233,7 +233,7 @@ impl Rig {
                 each(&mut |i| (v[i].abs() / top).powf(a).copysign(v[i]))
             }
             Cause::FluidDamper => {
-                // k d = C |x' - d'|^a: Maxwell's element with a dashpot of power a.
+                // k d = C |x' - d'|^a: a Maxwell element with a dashpot of power a.
                 let (a, reach) = (0.6 + 0.4 * s, big * (0.1 + 0.4 * r));
                 let mut z = 0.0_f64;
                 each(&mut |i| {
@@ -243,7 +243,7 @@ impl Rig {
                 })
             }
             Cause::MrDamper => {
-                // Yield force and viscosity behind the oil's spring.
+                // Yield force and viscosity in series with the oil's spring.
                 let reach = big * (0.01 + 0.05 * s);
                 let mut z = 0.0_f64;
                 each(&mut |i| {
@@ -313,7 +313,7 @@ impl Rig {
                 })
             }
             Cause::Flag => {
-                // Yields outward at 1, comes back at `back`: no force is left at zero.
+                // Yields going out at 1 and returns at `back`: no force is left at zero displacement.
                 let (give, back) = (big * (0.1 + 0.2 * s), 0.2 + 0.5 * r);
                 let mut z = 0.0_f64;
                 each(&mut |i| {
@@ -371,7 +371,7 @@ impl Rig {
                 let hz = self.lines[0][0] * 3.0;
                 let (mut phase, mut off) = (dice.between(0.0, TAU), 0.0);
                 each(&mut |_| {
-                    // Wanders by some percent within seconds.
+                    // Wanders by a few percent within seconds.
                     off += DT * (-off / 2.0 + 0.05 * dice.normal() / DT.sqrt());
                     phase += TAU * DT * hz * (1.0 + off);
                     0.5 * phase.sin()
@@ -387,7 +387,7 @@ impl Rig {
             Cause::Friction => (&FRICTION, &[]),
             Cause::FrictionAndDashpot => (&FRICTION_AND_DASHPOT, &[]),
             Cause::FadesWithPeak => (&["degradation"], &[]),
-            // What is lost on the whole is a wrong stiffness; that is not all of it.
+            // The overall loss looks like a wrong stiffness, but that is not all of it.
             Cause::FadesWithTravel => (&["degradation", "gain_error"], &[]),
             Cause::FrictionAndQuadratic => (
                 &["coulomb_friction", "stribeck_friction", "quadratic_damping"],
@@ -424,7 +424,7 @@ impl Rig {
             Cause::GasSpring => (&["hardening", "asymmetric_stiffness"], &["softening"]),
             Cause::Play => (&["backlash"], &["bilinear_hysteresis"]),
         };
-        // Two kinds of force that one frequency or one speed gives one shape.
+        // Two kinds of force have the same shape at one frequency or at one speed.
         let alike = match plan.kind {
             Move::OneFrequency => matches!(
                 self.cause,
@@ -440,7 +440,7 @@ impl Rig {
             ),
             _ => false,
         };
-        // What the declared damping may take up is no second cause.
+        // A dashpot that fits within the declared damping's tolerance is no second cause.
         let both = self.cause == Cause::FrictionAndDashpot
             && self.dashpot() > WITHIN * DAMPING_KNOWN * self.linear[1];
         Truth {

@@ -1,17 +1,18 @@
-//! What a fault of a ram leaves that no sound ram does: below the noise nobody can find it, whatever he knows of rams.
+//! What a ram's fault leaves that no sound ram can explain. Below the noise it cannot be found, however much is known about rams.
 
 use super::ram::Ram;
 use crate::fine::{FINE_HZ, rms};
 
-/// What is refitted of a sound ram: delay and lag, s, valve and oil, Hz, load, N/m; behind them gain and offset.
+/// Parameters of a sound ram that are refitted: delay and lag, s; valve and oil, Hz; load, N/m. Gain and offset follow them.
 const NUMBERS: usize = 5;
 const ALL: usize = NUMBERS + 2;
-/// Gauss's steps.
+/// Gauss-Newton steps.
 const STEPS: usize = 5;
-/// Samples a second that are compared.
+/// Rate at which samples are compared, Hz.
 const COMPARED_HZ: f64 = 250.0;
 
-/// What the best sound ram leaves of the displacement of another, mm rms: its numbers within the ranges that sound ones are drawn from.
+/// What the best-fitting sound ram leaves of another ram's displacement, mm rms. Its parameters stay within those that sound
+/// rams may have.
 pub(super) fn beyond_sound(ram: &Ram, sound: &Ram, command_mm: &[f64]) -> f64 {
     let every = (FINE_HZ / COMPARED_HZ) as usize;
     let sparse = |x: Vec<f64>| x.into_iter().step_by(every).collect::<Vec<f64>>();
@@ -38,7 +39,7 @@ pub(super) fn beyond_sound(ram: &Ram, sound: &Ram, command_mm: &[f64]) -> f64 {
         columns.extend([here.clone(), vec![1.0; here.len()]]);
         let left: Vec<f64> = target.iter().zip(&here).map(|(a, b)| a - b).collect();
         let (step, rest) = regressed(&columns, &left);
-        // Only a number within its range is a sound ram's: what the step would leave counts where it stays there.
+        // A sound ram's parameters stay within their ranges, so what the step would leave counts only if it does not leave them.
         let goes = |i: usize| at[i] + step[i];
         let stays = (0..NUMBERS).all(|i| (ranges[i][0]..=ranges[i][1]).contains(&goes(i)));
         let level = regressed(&columns[NUMBERS..], &left).1;
@@ -48,7 +49,7 @@ pub(super) fn beyond_sound(ram: &Ram, sound: &Ram, command_mm: &[f64]) -> f64 {
     least
 }
 
-/// Coefficients of columns, and what they leave, rms; by Gram and Schmidt.
+/// Coefficients of the columns and the rms that they leave, by Gram-Schmidt.
 fn regressed(columns: &[Vec<f64>], y: &[f64]) -> ([f64; ALL], f64) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<(Vec<f64>, [f64; ALL])> = Vec::new();

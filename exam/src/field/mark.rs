@@ -1,11 +1,11 @@
-//! What was said of a field record, and whether it is true.
+//! What a diagnosis said about a field record, and whether it is true.
 
-/// What a diagnosis said of the channel.
+/// What a diagnosis said about the channel.
 #[derive(Clone, Debug, Default)]
 pub struct Said {
-    /// The verdict as `diagnose --json` has it; `refused` where there is none.
+    /// The verdict as `diagnose --json` has it. Any other text means that there is none.
     pub verdict: String,
-    /// Names that went into the model; of a set, the preferred one.
+    /// Names that went into the model; for a set, the preferred one.
     pub names: Vec<String>,
     /// Other members of the set.
     pub others: Vec<String>,
@@ -18,28 +18,28 @@ pub struct Said {
 pub struct Truth {
     /// The cause.
     pub cause: &'static str,
-    /// Names for it; none: nothing is hidden, or nothing that has a name.
+    /// Names for it; none if nothing is hidden, or nothing that has a name.
     pub right: Vec<&'static str>,
-    /// Names that are no mistake beside a right one.
+    /// Names that are no mistake next to a right one.
     pub beside: Vec<&'static str>,
-    /// Names that make the cause only together: fewer of them for the whole of it claim too much.
+    /// Names that only together are the cause: giving fewer of them as the whole cause claims too much.
     pub whole: Vec<&'static str>,
-    /// Something is hidden that has no name, whatever else has one.
+    /// Something without a name is hidden, whether or not something else has one.
     pub nameless: bool,
-    /// The converter's steps are in the record: to name them is no mistake, and no answer to what else is missing.
+    /// The converter's steps are in the record: naming them is no mistake, but does not answer what else is missing.
     pub steps: bool,
-    /// The motion cannot tell the cause from others: a name alone claims too much.
+    /// The motion cannot tell the cause from others: a single name claims too much.
     pub inseparable: bool,
 }
 
 /// A grade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mark {
-    /// Right names and no other, or silence where nothing has a name.
+    /// Right names and no wrong one; or `none` where nothing is hidden; or `unknown` where something has no name.
     Right,
     /// A set with a right name.
     Set,
-    /// `unknown` where there is a name.
+    /// `unknown` where everything hidden has a name.
     Unknown,
     /// `none` where something is hidden.
     None,
@@ -47,7 +47,7 @@ pub enum Mark {
     Alarm,
     /// No verdict.
     Refused,
-    /// One of those that the motion cannot tell apart, alone; or one of two causes for both.
+    /// A right name alone where the motion cannot tell it from others, or where it is only a part of the cause.
     Overclaimed,
     /// A set without a right name.
     WrongSet,
@@ -56,7 +56,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// All.
+    /// All grades.
     pub const ALL: [Self; 9] = [
         Self::Right,
         Self::Set,
@@ -70,17 +70,17 @@ impl Mark {
     ];
 }
 
-/// The converter's steps, by name.
+/// The name for the converter's steps.
 const STEPS: &str = "quantisation";
 
 impl Truth {
-    /// Whether a name is no mistake.
+    /// Whether giving a name is no mistake.
     pub fn allows(&self, name: &str) -> bool {
         let step = self.steps && name == STEPS;
         step || self.right.contains(&name) || self.beside.contains(&name)
     }
 
-    /// The grade of what was said.
+    /// Grades what was said.
     pub fn mark(&self, said: &Said) -> Mark {
         let silent = self.right.is_empty();
         let right = |n: &String| self.right.contains(&n.as_str());

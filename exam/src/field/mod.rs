@@ -1,19 +1,20 @@
-//! Rigs as others record them: hydraulics with a valve and an oil column, elements in parallel, degradation, pinching,
-//! power laws, stiffness lost with the peak or with travel, coherent disturbances; one speed, one frequency, slow,
-//! one-sided; short records with short rests, spans cut out of mid-motion, no rest, dwell, no noise at all, coarse
-//! converters. Written from textbooks of friction, dampers and servo-hydraulics:
+//! Rigs as other laboratories record them. They have hydraulics with a valve and an oil column, parallel elements,
+//! degradation, pinching, power laws, stiffness lost with the peak or with travel, and coherent disturbances. Motions can be
+//! at one speed, at one frequency, slow, one-sided or with pauses. Records can be short with short rests, cut out of mid-motion
+//! or without a rest, and have no noise at all or coarse converters. Written from textbooks on friction, dampers and
+//! servo-hydraulics:
 //!
 //! - LuGre friction: Canudas de Wit et al., IEEE TAC 40(3), 1995, 419;
 //! - distributed sliders: Iwan, J. Appl. Mech. 33, 1966, 893; Ramberg and Osgood, NACA TN 902, 1943;
 //! - degradation by dissipated energy: Baber and Wen, J. Eng. Mech. Div. 107, 1981, 1069;
-//! - magnetorheological damper in series with its oil's spring: Spencer et al., J. Eng. Mech. 123(3), 1997, 230;
+//! - magnetorheological damper in series with the spring of its oil: Spencer et al., J. Eng. Mech. 123(3), 1997, 230;
 //! - valve, oil column and cylinder: Merritt, Hydraulic Control Systems, 1967, chapters 5 and 6;
 //! - stiffness lost with the largest displacement so far: Mullins, Rubber Chem. Technol. 42, 1969, 339; Lemaitre, A Course on
 //!   Damage Mechanics, 1992, chapter 2;
 //! - contact: Hertz, J. reine angew. Math. 92, 1882, 156.
 //!
-//! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said of it, [`Stand::play`] runs another
-//! test on its rig.
+//! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said about it, and [`Stand::play`] runs
+//! another test on its rig.
 
 mod drive;
 mod force;
@@ -40,12 +41,12 @@ use ram::{Fault, Ram};
 use reading::Reading;
 use stand::Machine;
 
-/// What the laboratory declares of the one channel that a field record has.
+/// What the laboratory declares about the one channel of a field record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Believed {
-    /// Gain, delay ms, lag ms, offset mm.
+    /// Gain, delay in ms, lag in ms, offset in mm.
     Actuator([Parameter; 4]),
-    /// Stiffness N/mm, damping N s/mm, mass kg, offset N.
+    /// Stiffness in N/mm, damping in N s/mm, mass in kg, offset in N.
     Specimen([Option<Parameter>; 4]),
 }
 
@@ -54,29 +55,29 @@ pub enum Believed {
 pub struct Field {
     /// Seed and cause.
     pub id: String,
-    /// What the examinee gets: the model,
+    /// The declared model, for the examinee.
     pub believed: Believed,
-    /// a record to learn from; columns that were not recorded are empty,
+    /// The training record, for the examinee. Columns that were not recorded are empty.
     pub train: Span,
-    /// and one to be judged on.
+    /// The test record, for the examinee.
     pub test: Span,
-    /// What only the scorer gets.
+    /// The key, for the scorer alone.
     pub truth: Truth,
-    /// What noise and converter add to what is to be explained, in the record to learn from: rms, mm or N.
+    /// Rms of what noise and converter add to the output of the training record, mm or N.
     pub noise_rms: f64,
     /// Whether a rest was recorded, in the span or before it.
     pub rests: bool,
-    /// The rig, for another test; none of a device.
+    /// The rig, for further tests; none for a device.
     pub stand: Option<Stand>,
 }
 
-/// All causes, the specimen's first, by name.
+/// Names of all causes, those in the specimen first.
 pub fn causes() -> impl Iterator<Item = &'static str> {
     let specimens = Cause::ALL.iter().map(|c| c.name());
     specimens.chain(Drive::ALL.iter().map(|d| d.name()))
 }
 
-/// The record of a seed; causes take turns.
+/// The record of a seed; the causes take turns.
 pub fn set_field(seed: u64) -> Field {
     let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xF1E1D);
     let all = Cause::ALL.len() + Drive::ALL.len();
@@ -87,13 +88,13 @@ pub fn set_field(seed: u64) -> Field {
     }
 }
 
-/// Faults of rams, by name.
+/// Names of the faults of rams.
 pub fn faults() -> impl Iterator<Item = &'static str> {
     Fault::ALL.iter().map(|f| f.name())
 }
 
-/// The record of a ram under its position loop; half of them are sound, faults take turns. What is declared was identified on a calm
-/// day, with tolerances as a laboratory has them.
+/// The record of a ram under position control. Half of the rams are sound, and the faults take turns. The declared values were
+/// identified without a load, with a laboratory's usual tolerances.
 pub fn set_ram(seed: u64) -> Field {
     let (mut dice, plan, reading, ram) = ram_of(seed);
     let command = plan.motions(&mut dice).swap_remove(0).x;
@@ -119,8 +120,8 @@ fn ram_of(seed: u64) -> (Dice, Plan, Reading, Ram) {
     (dice, plan, reading, ram)
 }
 
-/// What the best sound ram leaves of the displacement of a seed's ram, over the noise of its reading: a fault that leaves less than
-/// the noise cannot be found.
+/// What the best-fitting sound ram leaves of the displacement of a seed's ram, over the noise of its reading. A fault that
+/// leaves less than the noise cannot be found.
 pub fn hidden_by_a_sound_ram(seed: u64) -> f64 {
     let (mut dice, plan, _, ram) = ram_of(seed);
     let command = plan.motions(&mut dice).swap_remove(0).x;
@@ -128,7 +129,7 @@ pub fn hidden_by_a_sound_ram(seed: u64) -> f64 {
     hidden::beyond_sound(&ram, &sound, &command) / set_ram(seed).noise_rms
 }
 
-/// A declared value that is off by about a tolerance.
+/// A declared value that is wrong by about a tolerance.
 fn believed(truth: f64, tolerance: f64, dice: &mut Dice) -> Parameter {
     let off = (0.8 * dice.normal()).clamp(-1.8, 1.8);
     Parameter::new(truth + off * tolerance, tolerance)
@@ -172,7 +173,7 @@ fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
     field(seed, believed, &plan, (stand, truth), dice)
 }
 
-/// What was planned is recorded and cut.
+/// Records and cuts the planned motions.
 fn field(
     seed: u64,
     believed: Believed,
@@ -201,7 +202,7 @@ fn field(
     }
 }
 
-/// What is to be explained.
+/// The output that a model has to explain.
 fn output(record: &Record) -> &[f64] {
     if record.force_n.is_empty() {
         &record.displacement_mm
@@ -210,7 +211,7 @@ fn output(record: &Record) -> &[f64] {
     }
 }
 
-/// rms of the difference of two signals.
+/// Rms of the difference of two signals.
 pub fn rms_apart(a: &[f64], b: &[f64]) -> f64 {
     rms(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }

@@ -1,14 +1,14 @@
-//! What a laboratory without our advice moves its rigs by.
+//! How a laboratory that has not had our advice moves its rigs.
 
 use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ, lag, peak};
 use crate::record::Record;
 use std::f64::consts::TAU;
 
-/// The wave form.
+/// The waveform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Move {
-    /// Some sines.
+    /// A sum of sines.
     Multisine,
     /// A sweep.
     Chirp,
@@ -16,18 +16,18 @@ pub enum Move {
     Random,
     /// Cycles whose amplitude grows in steps, as for a specimen that degrades.
     Growing,
-    /// Ramps between random places, with pauses.
+    /// Ramps between random positions, with pauses.
     RampAndHold,
     /// A sweep that stays on one side of zero.
     OneSided,
     /// One frequency, one amplitude.
     OneFrequency,
-    /// Back and forth at one speed.
+    /// Back and forth at a constant speed.
     OneSpeed,
 }
 
 impl Move {
-    /// One that a specimen is moved by.
+    /// A waveform for a specimen.
     pub(super) fn of_specimens(breadth: bool, dice: &mut Dice) -> Self {
         let broad = [
             Self::Multisine,
@@ -44,7 +44,7 @@ impl Move {
         }
     }
 
-    /// One that an actuator is moved by.
+    /// A waveform for an actuator.
     pub(super) fn of_actuators(dice: &mut Dice) -> Self {
         let usual = [Self::Multisine, Self::Chirp, Self::Random];
         let odd = [Self::OneFrequency, Self::OneSpeed, Self::RampAndHold];
@@ -56,16 +56,16 @@ impl Move {
     }
 }
 
-/// A part of a record, and what its file holds before it.
+/// A part of a record, and what its file contains before it.
 #[derive(Clone, Debug)]
 pub struct Span {
-    /// What is given.
+    /// The part that is given.
     pub record: Record,
     /// What was recorded before it, without a gap.
     pub before: Option<Record>,
 }
 
-/// A motion on the fine grid, and how much of its beginning is not recorded.
+/// A motion on the fine grid, and the steps from which and up to which it is recorded.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
     pub(super) x: Vec<f64>,
@@ -74,22 +74,22 @@ pub(super) struct Moved {
     pub(super) rate_hz: f64,
 }
 
-/// Wave form, size and times of a test.
+/// Waveform, size and times of a test.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub(super) kind: Move,
     pub(super) amplitude_mm: f64,
-    /// Where its motion ends, Hz.
+    /// Upper end of the motion's band, Hz.
     pub(super) high_hz: f64,
     pub(super) rate_hz: f64,
-    /// Of each record, of the first of two.
+    /// Length of the first of two records, s; a single record is twice as long.
     seconds: f64,
-    /// The rest before it, s; `None`: it begins in mid-motion.
+    /// The rest before the motion, s; `None` if the record begins in mid-motion.
     rest_s: Option<f64>,
     spans: Spans,
 }
 
-/// What a laboratory gives to learn from and to be judged on.
+/// How a laboratory divides its data into training and test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Spans {
     /// Two records, the second shorter.
@@ -100,9 +100,9 @@ enum Spans {
     Cut,
 }
 
-/// What a rig did before the record begins, s.
+/// How long a rig moves before a record that begins in mid-motion, s.
 const BEFORE_S: f64 = 5.0;
-/// A rest, s.
+/// The usual rest, s.
 const REST_S: f64 = 1.5;
 /// Share of records that are short, with a short rest.
 const SHORT: f64 = 0.2;
@@ -114,7 +114,7 @@ impl Plan {
         let amplitude_mm = dice.log_between(2.0, 50.0);
         let rests = dice.chance(0.3);
         if dice.chance(SHORT) {
-            // Eight to twelve seconds are all there is.
+            // Eight to twelve seconds in all.
             return Self {
                 kind,
                 amplitude_mm,
@@ -138,7 +138,7 @@ impl Plan {
         }
     }
 
-    /// Of a laboratory's ram: two records with a rest.
+    /// The plan for a laboratory's ram: two records with a rest.
     pub(super) fn of_rams(dice: &mut Dice) -> Self {
         let high_hz = dice.log_between(1.0, 4.0);
         Self {
@@ -152,7 +152,7 @@ impl Plan {
         }
     }
 
-    /// Its motion, and how it is cut.
+    /// The motion and how it is cut.
     pub(super) fn name(&self) -> String {
         let short = if self.seconds < 7.0 { "short " } else { "" };
         format!("{short}{:?} {:?}", self.kind, self.spans)
@@ -163,14 +163,14 @@ impl Plan {
         self.rest_s.is_some()
     }
 
-    /// Largest speed to be expected, mm/s.
+    /// Largest expected speed, mm/s.
     pub(super) fn speed(&self) -> f64 {
         let x = self.trajectory(self.seconds, &mut Dice::new(7));
         let steps: Vec<f64> = x.windows(2).map(|w| (w[1] - w[0]) / DT).collect();
         peak(&steps[(0.2 * FINE_HZ) as usize..])
     }
 
-    /// What is recorded: one motion, or two, the second no larger.
+    /// The recorded motions: one, or two of which the second is shorter.
     pub(super) fn motions(&self, dice: &mut Dice) -> Vec<Moved> {
         let n = |seconds: f64| (seconds * FINE_HZ) as usize;
         let lead = self.rest_s.unwrap_or(BEFORE_S);
@@ -190,7 +190,7 @@ impl Plan {
         shares.iter().map(moved).collect()
     }
 
-    /// To learn from and to be judged on, each with what its file holds before it.
+    /// The training and the test part, each with what its file contains before it.
     pub(super) fn spans(&self, files: &[Record]) -> [Span; 2] {
         let whole = |r: &Record| Span {
             record: r.clone(),
@@ -255,7 +255,8 @@ impl Plan {
                 .map(|i| 0.5 * a * (1.2 + sweep(i, 0.2 * hz)))
                 .collect(),
             Move::Random => {
-                // From rest: a filter that begins at white noise's own level is sized by how that dies away.
+                // The first value is zero because the filters start in equilibrium with it: from a random value, the
+                // decaying start would be the largest part of the motion and set its scale.
                 let white = (0..n).map(|i| if i == 0 { 0.0 } else { dice.normal() });
                 let white: Vec<f64> = white.collect();
                 let tau = 0.25 / (TAU * 0.25 * hz);
@@ -310,7 +311,7 @@ impl Plan {
                     let phase = (start / TAU + hz * t(i)).fract();
                     a * (4.0 * (phase - 0.5).abs() - 1.0)
                 };
-                // An actuator rounds the corners off.
+                // An actuator rounds off the corners.
                 lag(&(0..n).map(triangle).collect::<Vec<_>>(), 0.004 / hz)
             }
         }

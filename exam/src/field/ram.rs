@@ -1,12 +1,12 @@
-//! A two-chamber ram under its position loop: orifice flow, compressible oil, leakage, seals, a valve of second order; what is
-//! declared of it was fitted on a calm day (Merritt, Hydraulic Control Systems, 1967, chapters 3 and 6).
+//! A two-chamber ram under position control: orifice flow, compressible oil, leakage, seals and a second-order valve (Merritt,
+//! Hydraulic Control Systems, 1967, chapters 3 and 6). Its declared values were fitted without a load.
 
 use super::mark::Truth;
 use crate::dice::Dice;
 use crate::fine::{DT, delay, lag, rms};
 use std::f64::consts::TAU;
 
-/// What nobody declared.
+/// The undeclared fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fault {
     Sound,
@@ -18,7 +18,7 @@ pub(super) enum Fault {
     SmallValve,
 }
 
-/// What a ram is called of which nothing is wrong.
+/// The name of a ram without a fault.
 pub const SOUND_RAM: &str = "a sound ram";
 
 /// Half of the rams are sound.
@@ -65,19 +65,19 @@ impl Fault {
     ];
 }
 
-/// Supply, Pa.
+/// Supply pressure, Pa.
 const SUPPLY: f64 = 21e6;
-/// Piston area of the head's side, m^2.
+/// Piston area on the head side, m^2.
 const AREA: f64 = 8e-3;
 /// Moving mass, kg.
 const MASS: f64 = 350.0;
-/// Half of the chambers' length, m, and the oil in the hoses, as length of a chamber.
+/// Length of a chamber with the piston in the middle, m. `DEAD_LENGTH` adds the oil in the hoses as chamber length.
 const HALF_STROKE: f64 = 0.125;
 const DEAD_LENGTH: f64 = 0.03;
-/// Steps of the oil in one of the fine grid.
+/// Simulation steps of the oil in one step of the fine grid.
 const SUBSTEPS: usize = 4;
 
-/// A ram; lengths in m.
+/// A ram, with lengths in m.
 #[derive(Clone, Debug)]
 pub(super) struct Ram {
     fault: Fault,
@@ -85,7 +85,7 @@ pub(super) struct Ram {
     lag_s: f64,
     valve_hz: f64,
     oil_hz: f64,
-    /// Stiffness that it works against, N/m, and friction of its seals, N.
+    /// Stiffness that it works against, N/m; `seals` is the friction of its seals, N.
     load: f64,
     seals: f64,
     /// Speed at full opening, m/s.
@@ -128,7 +128,7 @@ impl Ram {
         }
     }
 
-    /// The same with what a sound one has in place of what is wrong.
+    /// The same ram with a sound one's values in place of the faulty ones.
     pub(super) fn sound(&self, speed_mm_per_s: f64, dice: &Dice) -> Self {
         let own = Self::draw(Fault::Sound, 1.0, speed_mm_per_s, &mut dice.clone());
         let is = |fault| self.fault == fault;
@@ -156,7 +156,7 @@ impl Ram {
         }
     }
 
-    /// Delay and lag, s, valve and oil, Hz, load, N/m.
+    /// Delay and lag in s, valve and oil frequency in Hz, load in N/m.
     pub(super) const fn numbers(&self) -> [f64; 5] {
         [
             self.delay_s,
@@ -167,7 +167,7 @@ impl Ram {
         ]
     }
 
-    /// The same with these.
+    /// The same ram with these numbers.
     pub(super) fn with(&self, [delay_s, lag_s, valve_hz, oil_hz, load]: [f64; 5]) -> Self {
         Self {
             delay_s,
@@ -179,7 +179,7 @@ impl Ram {
         }
     }
 
-    /// What sound ones may have; a laboratory has found delay and lag.
+    /// Ranges of these numbers in sound rams.
     pub(super) fn sound_ranges(&self) -> [[f64; 2]; 5] {
         let load = (2.0 * self.load).max(1e5);
         [
@@ -191,7 +191,7 @@ impl Ram {
         ]
     }
 
-    /// The same on a calm day: nothing is wrong with it, and nothing hangs on it.
+    /// The same ram without its load.
     fn calm(&self) -> Self {
         Self {
             load: 0.0,
@@ -199,8 +199,8 @@ impl Ram {
         }
     }
 
-    /// Gain, delay ms, lag ms and offset mm, as a laboratory fits them to another motion of half the size. What was wrong then is
-    /// in them; a fault that came later is not.
+    /// Gain, delay in ms, lag in ms and offset in mm, as a laboratory fits them to another motion of half the size, without
+    /// a load. Faults come later and do not affect the fit; only a valve that is too small was there already.
     pub(super) fn identified(&self, command_mm: &[f64], dice: &mut Dice) -> [f64; 4] {
         let mut sound = self.calm();
         if self.fault != Fault::SmallValve {
@@ -237,7 +237,7 @@ impl Ram {
         left(at[0], at[1]).0
     }
 
-    /// Displacement for a command, mm.
+    /// Displacement in response to a command, mm.
     pub(super) fn displacement(&self, command_mm: &[f64]) -> Vec<f64> {
         let late = delay(command_mm, self.delay_s);
         let h = DT / SUBSTEPS as f64;
@@ -270,7 +270,7 @@ impl Ram {
                 let [l1, l2] = [length + x, length - x].map(|l| l.max(0.01));
                 p[0] += h * bulk / (areas[0] * l1) * (q1 - areas[0] * v - across);
                 p[1] += h * bulk / (areas[1] * l2) * (q2 + areas[1] * v + across);
-                // What flows lowers the supply until the accumulator has caught up.
+                // The flow lowers the supply pressure until the accumulator has caught up.
                 let drawn = (q1.max(0.0) + q2.max(0.0)) / (self.speed * AREA);
                 pump += h / 0.3 * (SUPPLY * (1.0 - self.sag * drawn) - pump);
                 bristle += h * (v - v.abs() * bristle / 2e-5);
@@ -287,7 +287,7 @@ impl Ram {
 
     /// The key.
     pub(super) fn truth(&self) -> Truth {
-        // All of them have some friction, and a fault changes the dynamics, too.
+        // All rams have some friction, and a fault also changes the dynamics.
         let timing = &[
             "lag_error",
             "delay_error",

@@ -1,4 +1,4 @@
-//! What is written into the file.
+//! What is written to the file.
 
 use super::motion::Moved;
 use crate::dice::Dice;
@@ -9,19 +9,19 @@ use crate::record::Record;
 /// Noise and converter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reading {
-    /// rms over the range; 0: others simulated it.
+    /// Rms of the noise over the range; 0 for a record that others simulated.
     noise: f64,
-    /// 0: as many digits as there are.
+    /// Bits of the converter; 0 for full precision.
     bits: u32,
 }
 
-/// Range of displacement and force.
+/// Ranges of displacement and force.
 pub(super) fn scale(x: &[f64], force: &[f64]) -> [f64; 2] {
     [1.2 * peak(x), 1.2 * peak(force)]
 }
 
 impl Reading {
-    /// What is, to the last digit.
+    /// A reading without any error.
     pub(super) const PERFECT: Self = Self {
         noise: 0.0,
         bits: 0,
@@ -34,7 +34,7 @@ impl Reading {
         }
     }
 
-    /// Of a laboratory's ram: 16 bits, and a good transducer's noise.
+    /// The reading of a laboratory's ram: 16 bits and a good transducer's noise.
     pub(super) fn of_rams(dice: &mut Dice) -> Self {
         Self {
             noise: dice.log_between(3e-4, 1.5e-3),
@@ -47,7 +47,7 @@ impl Reading {
         self.bits > 0
     }
 
-    /// A record of a motion; the displacement's noise is a third of the force's.
+    /// A record of a motion. If there is a force, the displacement's noise over its range is 0.3 times the force's.
     pub(super) fn record(
         &self,
         moved: &Moved,

@@ -1,4 +1,4 @@
-//! The rig of a field record: it plays any command, read by the same transducers over the same range.
+//! The rig of a field record. It plays any command, read by the same transducers over the same range.
 
 use super::motion::{Moved, Plan};
 use super::reading::{self, Reading};
@@ -7,18 +7,18 @@ use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ};
 use crate::record::Record;
 
-/// What stands in the rig.
+/// The machine in the rig.
 #[derive(Clone, Debug)]
 pub(super) enum Machine {
-    /// Its displacement is as commanded.
+    /// A specimen; its displacement is exactly as commanded.
     Specimen(force::Rig),
-    /// Nothing hangs on it.
+    /// An actuator without a load.
     Actuator(drive::Rig),
-    /// Its position loop, and what it works against.
+    /// A ram with its position control and its load.
     Ram(ram::Ram),
 }
 
-/// A rig with its transducers. Only the scorer has it; the examinee may have it play.
+/// A rig with its transducers. Only the scorer has it; the examinee may ask for tests.
 #[derive(Clone, Debug)]
 pub struct Stand {
     machine: Machine,
@@ -26,22 +26,22 @@ pub struct Stand {
     /// Ranges of displacement and force: those of the first record.
     scale: Option<[f64; 2]>,
     rate_hz: f64,
-    /// Top speed of the first record, mm/s.
+    /// Expected top speed of the first record, mm/s.
     speed: f64,
 }
 
-/// What a rig may do.
+/// Limits of a rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// To either side of zero: the transducer's range, mm.
+    /// The transducer's range to either side of zero, mm.
     pub displacement_mm: f64,
-    /// Twice the top speed of the first record, mm/s.
+    /// Twice the expected top speed of the first record, mm/s.
     pub velocity_mm_per_s: f64,
-    /// The load cell's range, N; none without one.
+    /// The load cell's range, N; none if there is no load cell.
     pub force_n: Option<f64>,
 }
 
-/// A rig may go so many times as fast as in its first record.
+/// How many times as fast as in its first record a rig may move.
 const FASTER: f64 = 2.0;
 
 impl Stand {
@@ -55,7 +55,7 @@ impl Stand {
         }
     }
 
-    /// What is read of a motion, and what a perfect reading would be.
+    /// The reading of a motion, and a perfect reading of it.
     pub(super) fn read(&mut self, moved: &Moved, dice: &mut Dice) -> [Record; 2] {
         let (x, command, force) = match &mut self.machine {
             Machine::Specimen(rig) => (moved.x.clone(), None, Some(rig.force(&moved.x, dice))),
@@ -70,7 +70,7 @@ impl Stand {
         [by(&self.reading), by(&Reading::PERFECT)]
     }
 
-    /// What it may do.
+    /// Its limits.
     pub fn limits(&self) -> Limits {
         let [x, f] = self.scale.unwrap_or_default();
         Limits {
@@ -80,13 +80,13 @@ impl Stand {
         }
     }
 
-    /// The record of a command that is given every `interval_s`: the same rig, rate, noise and range.
+    /// The record of a command with a value every `interval_s`, from the same rig with the same rate, noise and range.
     pub fn play(&self, command_mm: &[f64], interval_s: f64, seed: u64) -> Record {
         let [record, _] = self.play_with_truth(command_mm, interval_s, seed);
         record
     }
 
-    /// The same, and what a perfect reading of it would be.
+    /// The same, and a perfect reading of it.
     pub fn play_with_truth(&self, command_mm: &[f64], interval_s: f64, seed: u64) -> [Record; 2] {
         let seconds = command_mm.len().saturating_sub(1) as f64 * interval_s;
         let n = (seconds * FINE_HZ) as usize;
@@ -103,7 +103,7 @@ impl Stand {
     }
 }
 
-/// Value at a fractional index by the cubic of Catmull and Rom: no corner between two samples, which a mass would feel.
+/// Value at a fractional index by Catmull-Rom splines: no corners between samples, which would show through a mass.
 fn between(u: &[f64], index: f64) -> f64 {
     let last = u.len() - 1;
     let i = (index as usize).min(last);
@@ -180,7 +180,7 @@ mod tests {
             exact += usize::from(share == 0.0);
             assert!((0.0..0.02).contains(&share), "{seed}: {share}");
         }
-        // A tenth is simulated by others: neither noise nor a converter.
+        // A tenth of the records are simulated: neither noise nor a converter.
         assert!((2..15).contains(&exact), "{exact}");
     }
 }

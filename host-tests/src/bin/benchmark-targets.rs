@@ -1,4 +1,4 @@
-//! What this program's makers were asked for in the benchmark problems, beside what `outerloop benchmark` found.
+//! Goals set for this program in the benchmark problems, compared with the results of `outerloop benchmark`.
 
 use clap::Parser;
 use comfy_table::{Table, presets};
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Everything that the answers speak of is reached.
+/// Whether all goals that the answers cover are reached.
 fn judged(answers: &[PathBuf]) -> Result<bool, Failure> {
     let mut reached = true;
     for file in answers {

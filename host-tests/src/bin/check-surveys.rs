@@ -133,7 +133,7 @@ fn table<const N: usize>(head: [&str; N]) -> Table {
     table
 }
 
-/// The interlocks over many tests; true where no sound test was stopped.
+/// The interlocks over many tests; true if no sound test was stopped.
 fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
     let plans = monitor::draw(sound, sound / 4, arguments.seed);
     let progress = ProgressBar::new(plans.len() as u64);
@@ -194,11 +194,11 @@ fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
     Ok(promise.sound_stopped == 0)
 }
 
-/// The rig watch over many tests; true where it is as good as on the page.
+/// The rig watch over many tests; true if it is as good as docs/rig-watch-validation.md says.
 fn rig_watch([sound, faulty]: [u64; 2], arguments: &Arguments) -> Result<bool, Failure> {
-    // Half as many again have an effect of any kind, from the start or in mid-test.
+    // Half as many more have an effect of any kind, from the start or from mid-test.
     let others = faulty / 2;
-    // And a tenth as many sound ones have a recorded ground motion.
+    // A tenth as many more sound ones have a recorded ground motion.
     let under_records = sound / 10;
     let progress = ProgressBar::new(sound + under_records + faulty + others);
     let motions = data::recorded();
@@ -280,7 +280,7 @@ fn print_effects(head: &str, rows: Vec<[String; 9]>) {
     println!("{t}\n");
 }
 
-/// Test file and ground motion of a test of the survey of a seed.
+/// Writes test file and ground motion of one test of the survey with this seed.
 fn write_test(folder: &Path, seed: u64, (lot, i): (watch::Lot, u64)) -> Result<bool, Failure> {
     let test = lot.test(seed, i);
     let (text, shaking) =
@@ -301,7 +301,7 @@ fn write_test(folder: &Path, seed: u64, (lot, i): (watch::Lot, u64)) -> Result<b
     Ok(true)
 }
 
-/// The rig watch over records from outside; true where at most one name is false.
+/// The rig watch over third-party records; true if at most one name is false.
 fn records(arguments: &Arguments) -> Result<bool, Failure> {
     let rows = watched_records::all()?;
     let wrong = rows.iter().filter(|r| r.is_false).count();
@@ -336,7 +336,7 @@ fn records(arguments: &Arguments) -> Result<bool, Failure> {
     Ok(wrong <= 1)
 }
 
-/// The verdicts over many rigs; true where no test was called stable and ran away.
+/// The verdicts over many rigs; true if no test that was called stable ran away.
 fn survey(
     (rigs, of_coupled): (usize, bool),
     known: verdicts::Known,

@@ -174,7 +174,7 @@ fn work(
     all
 }
 
-/// A record whose answer was not exact.
+/// A line about a record whose answer was not exact.
 fn line(s: &GradedRecord) -> Option<String> {
     if s.grade.mark == Mark::Exact {
         return None;

@@ -1,4 +1,4 @@
-//! The table of errors predicted and errors that came.
+//! The table of predicted and actual errors.
 
 use comfy_table::{Table, presets};
 use exam::Class;

@@ -1,4 +1,4 @@
-//! The table of all open records from outside: verdict, truth, error before and after, textbook fit, floor.
+//! The table of all open third-party records: verdict, names, error before and after, textbook fit, noise floor, points.
 //!
 //! ```text
 //! cargo run --release -p host-tests --bin outside-records -- [--folder DIR] [CASE]...
@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         eprintln!("{}", case.id);
         let (row, got) = row(case);
         table.add_row(row);
-        // What made the records of a lot says what kind they are of in front of their ids.
+        // The generator of a lot puts each record's kind in front of its id.
         let kind = match &arguments.folder {
             Some(_) => case.id.split('_').next().unwrap_or_default(),
             None => "all",
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// By how much the aims of published records, or of laws of OpenSees, and of the time are missed.
+/// By how much the aims for published records, or for OpenSees' laws, and for the time are missed.
 fn aimed(kinds: &BTreeMap<String, Kind>, seconds: &[Figure]) -> String {
     let of = |kind: &str| kinds.get(kind).copied().unwrap_or_default();
     let points = |k: Kind| Figure::share(k.points, k.records);
@@ -105,17 +105,17 @@ struct Arguments {
     folder: Option<PathBuf>,
 }
 
-/// What came of a record.
+/// The result for a record.
 #[derive(Clone, Copy, Debug, Default)]
 struct Got {
     points: f64,
     wrong: bool,
     both: Option<bool>,
-    /// How long it took; none of a record that was refused.
+    /// How long it took, s; `None` for a refused record.
     seconds: Option<f64>,
 }
 
-/// What came of the records of a kind.
+/// The results for the records of a kind.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kind {
     points: f64,
@@ -135,15 +135,15 @@ impl Kind {
     }
 }
 
-/// What others reach on the benchmark's multisine, simulated from its force.
+/// What others achieve on the benchmark's multisine, simulated from its force.
 const LITERATURE: &str = "a linear model 1.6e-4 m, the best black boxes 7.5e-6 m";
 
-/// The benchmark whose figures others have published.
+/// Whether the case is the benchmark for which others have published figures.
 fn is_published(case: &Case) -> bool {
     case.id.starts_with("bouc_wen")
 }
 
-/// Error of the simulation with what was found, m, where that is a mass on a Bouc-Wen element.
+/// Error of the simulation with the diagnosed model, m, if that is a mass on a Bouc-Wen element.
 fn simulated(case: &Case, a: &ChannelAnswer) -> Option<f64> {
     let (record, from_s) = case.held_out().ok()?;
     host_tests::simulated::displacement_error_m(a, &record, from_s)

@@ -19,7 +19,7 @@ pub struct ComparedTest {
 }
 
 impl ComparedTest {
-    /// eps_rms; 1, an error as large as the motion, where the test tripped or ran away.
+    /// eps_rms; 1, an error as large as the motion, if the test tripped or ran away.
     pub fn error(&self) -> f64 {
         match self.summary.verdict {
             experiment::summary::TestVerdict::Completed if self.summary.eps_rms < 1.0 => {

@@ -8,7 +8,7 @@ use plant::measurement::SensorsSpec;
 use plant::specimen::{SpecimenKind, SpecimenSpec};
 use serde::Serialize;
 
-/// What a group of conditions asks.
+/// A group of conditions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
@@ -16,11 +16,11 @@ pub enum Family {
     Linear,
     /// The same with a specimen that yields.
     Yielding,
-    /// The lag and delay that were measured on a servo-hydraulic rig.
+    /// The lag and delay measured on a servo-hydraulic rig.
     MeasuredRig,
     /// Noise on both sensors.
     Noise,
-    /// A delay that was declared wrong.
+    /// A delay that is declared wrong.
     DelayError,
     /// A delay that changes in the middle of the test.
     DelayJump,
@@ -54,12 +54,12 @@ impl Family {
     }
 }
 
-/// A rig, and the delay that is declared to the compensation.
+/// A rig, and the delay declared to the compensation.
 #[derive(Clone, Debug)]
 pub struct Condition {
-    /// What it asks.
+    /// Its group.
     pub family: Family,
-    /// It in words.
+    /// Its description.
     pub name: String,
     /// Its delay on a slow motion, ms.
     pub delay_ms: f64,
@@ -84,10 +84,10 @@ const MEASURED_MS: (f64, f64) = (4.6, 22.2);
 const NOISE: (f64, f64) = (5.0 / 6.0, 16e3 / 6.0);
 
 impl Condition {
-    /// Every condition of the bench for tests like `config`; `yielding` is the specimen where one yields.
+    /// Every condition of the bench for tests like `config`; `yielding` is the yielding specimen.
     pub fn all(config: &Config, yielding: &SpecimenSpec) -> Vec<Self> {
         let linear = SpecimenSpec::default();
-        // A lag acts on the held command from the beginning of a control period, the target is counted from its end.
+        // A lag acts on the held command from the beginning of a control period; the target is counted from its end.
         let half_period_ms = 0.5e3 / config.timing.rate_hz;
         let on = |family, specimen: &SpecimenSpec, name: &str, kind, delay_ms: f64| {
             let whole = kind == ActuatorKind::Delay;
@@ -183,7 +183,7 @@ fn specimen_name(specimen: &SpecimenSpec) -> &'static str {
     }
 }
 
-/// The specimen that yields: the test file's own, else one that yields at 30 mm and keeps a twentieth of its stiffness.
+/// The yielding specimen: the test file's own, otherwise one that yields at 30 mm and keeps 5 % of its stiffness.
 pub fn yielding(own: &SpecimenSpec) -> SpecimenSpec {
     match own.kind {
         SpecimenKind::Bilinear | SpecimenKind::BoucWen => own.clone(),

@@ -1,4 +1,4 @@
-//! One bench for every compensation: the same structure and ground motions behind many rigs.
+//! One bench for every compensation: the same structure and ground motions on many rigs.
 
 pub mod compared_test;
 pub mod condition;
@@ -20,7 +20,7 @@ pub fn contestants() -> Vec<Method> {
     Method::ALL.into_iter().chain(pairs).collect()
 }
 
-/// Runs every contestant under every condition on every ground motion, on all cores; `done` is told of each test.
+/// Runs every contestant under every condition with every ground motion, on all cores; `done` is called after each test.
 ///
 /// # Errors
 /// A test that is refused under some condition.

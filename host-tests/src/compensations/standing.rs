@@ -1,10 +1,10 @@
-//! Who is how good at what.
+//! Ranking of the compensations.
 
 use super::compared_test::ComparedTest;
 use super::condition::Family;
 use serde::Serialize;
 
-/// A contestant's errors over the bench: geometric means, because they lie on many orders of magnitude.
+/// A contestant's errors over the bench: geometric means, because they span many orders of magnitude.
 #[derive(Clone, Debug, Serialize)]
 pub struct Standing {
     /// Its name.
@@ -13,17 +13,17 @@ pub struct Standing {
     pub by_family: Vec<f64>,
     /// Mean over all tests.
     pub mean: f64,
-    /// Largest.
+    /// Largest eps_rms.
     pub worst: f64,
-    /// In how many tests nobody was better.
+    /// Number of tests in which no other was better.
     pub best_in: usize,
-    /// How many tests tripped, ran away or ended with an error as large as the motion.
+    /// Number of tests that tripped, ran away or ended with an error as large as the motion.
     pub failed: usize,
-    /// How many tests.
+    /// Number of tests.
     pub tests: usize,
 }
 
-/// Below this an error is rounding, and all are alike.
+/// Errors below this are rounding and count as equal.
 const ROUNDING: f64 = 1e-6;
 
 /// The standings of all contestants in `rows`, the best mean first.
@@ -61,7 +61,7 @@ fn error(row: &ComparedTest) -> f64 {
     row.error().max(ROUNDING)
 }
 
-/// The smallest error of anyone in the test of `row`.
+/// The smallest error of all contestants in the test of `row`.
 fn best(row: &ComparedTest, rows: &[ComparedTest]) -> f64 {
     rows.iter()
         .filter(|r| r.condition == row.condition && r.summary.record == row.summary.record)

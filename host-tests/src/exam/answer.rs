@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// Both channels' verdicts.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Answer {
-    /// Time that it took, s; as the examinee says, the exam takes its own.
+    /// Time that it took, s, as the examinee says; the exam measures its own.
     #[serde(default)]
     pub seconds: f64,
     /// One entry a channel.
@@ -22,9 +22,9 @@ pub struct ChannelAnswer {
     pub verdict: String,
     /// What was added.
     pub effects: Vec<Effect>,
-    /// Names that explain the data equally well.
+    /// Effects that explain the data equally well.
     pub alternatives: Vec<String>,
-    /// `mm`, `N` or `1`: of the errors.
+    /// Unit of the errors: `mm`, `N` or `1`.
     pub unit: String,
     /// Before anything was added.
     pub error_before: Option<Error>,
@@ -58,7 +58,7 @@ pub struct Value {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[serde(default)]
 pub struct Error {
-    /// Rms of measured less model on the held-out record, in the channel's unit; NaN where none was worked out.
+    /// Rms of measured minus model on the held-out record, in the channel's unit; NaN if none was computed.
     #[serde(deserialize_with = "or_nan")]
     pub test_rms: f64,
 }
@@ -81,7 +81,7 @@ impl Answer {
 }
 
 impl ChannelAnswer {
-    /// Names that the answer holds possible: those of its effects and their alternatives.
+    /// Names that the answer considers possible: its effects and their alternatives.
     pub fn named(&self) -> Vec<&str> {
         let effects = self.effects.iter().map(|e| e.name.as_str());
         effects

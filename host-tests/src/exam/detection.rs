@@ -1,26 +1,26 @@
-//! How small an effect may be: share of right answers against its size in units of the noise floor.
+//! Detection limit: fraction of right answers against an effect's size in units of the noise floor.
 
 use super::grade::Mark;
 use super::plan::DETECTION_SIZES;
 use super::run::GradedRecord;
 use super::tally::Tally;
 
-/// One size.
+/// Figures for one size of effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Rms beyond what declared parameters take up, over the noise floor.
+    /// Rms that declared parameters cannot absorb, as a multiple of the noise floor.
     pub size: f64,
-    /// How many records.
+    /// Number of records.
     pub records: usize,
-    /// Share that was named rightly (exact, set or family).
+    /// Fraction named correctly (exact, set or family).
     pub right: f64,
-    /// Share that was noticed: anything but `none`.
+    /// Fraction noticed: any mark but `Missed`.
     pub noticed: f64,
-    /// Share that was named wrongly.
+    /// Fraction named wrongly.
     pub wrong: f64,
 }
 
-/// Every size that the exam had records of.
+/// Every size for which the exam had records.
 pub fn detection(all: &[GradedRecord]) -> Vec<Point> {
     DETECTION_SIZES
         .iter()

@@ -1,4 +1,4 @@
-//! The diagnosis of this repository sits the exam.
+//! The diagnosis of this repository takes the exam.
 
 use super::answer::Answer;
 use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel};
@@ -12,7 +12,7 @@ pub fn diagnosis(paper: &Paper) -> Result<Answer, String> {
     answer(&found(paper)?)
 }
 
-/// What is found out about the rig of a question.
+/// What the diagnosis finds about the rig of a question.
 ///
 /// # Errors
 /// The sentence of a refusal.

@@ -1,4 +1,4 @@
-//! Questions as files, for examinees outside this repository's program; the key stays here.
+//! Questions as files, for examinees outside this repository; the key stays here.
 
 use exam::{Paper, Record, set};
 use std::fmt::Write;
@@ -8,10 +8,10 @@ use std::path::Path;
 
 use super::plan::Item;
 
-/// Writes `folder/CLASS-SEED/{model.toml, train.csv, test.csv, rest.csv}` for every item that is not about detection.
+/// Writes `folder/CLASS-SEED/{model.toml, train.csv, test.csv, rest.csv}` for every item not of the detection limit.
 ///
 /// # Errors
-/// Where a file cannot be written.
+/// A file cannot be written.
 pub fn export(folder: &Path, items: &[Item]) -> io::Result<usize> {
     let mut written = 0;
     for item in items.iter().filter(|i| i.detection.is_none()) {

@@ -1,4 +1,4 @@
-//! An answer against the key.
+//! Grades an answer by the key.
 
 use super::answer::{Answer, ChannelAnswer};
 use exam::{ChannelKey, Hidden, Key};
@@ -6,25 +6,25 @@ use exam::{ChannelKey, Hidden, Key};
 /// A set of possible causes with more members than this says nothing.
 const LARGEST_SET: usize = 5;
 
-/// How an answer did.
+/// The mark of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Mark {
-    /// Every name right and no other; or the set of those that no analysis of the record can tell apart; or rightly
-    /// none, rightly `unknown`.
+    /// Every name right and no other; or the set of those that no analysis of the record can distinguish; or correctly
+    /// `none` or `unknown`.
     Exact,
-    /// `ambiguous`, the right name among at most five.
+    /// `ambiguous`, with the right name among at most five.
     Set,
     /// A name of the right family.
     Family,
-    /// One of two.
+    /// Only one of two.
     Part,
-    /// `unknown` where a name could be found.
+    /// `unknown` although a name could be found.
     Abstained,
-    /// `none` or not assessed where something is hidden.
+    /// `none` although something is hidden, or not assessed.
     Missed,
-    /// `unknown` where nothing is hidden.
+    /// `unknown` although nothing is hidden.
     Alarm,
-    /// A name that is not in the record.
+    /// Names an effect that is not in the record.
     Wrong,
 }
 
@@ -50,9 +50,9 @@ impl Mark {
 /// The mark of a record and of each of its channels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grade {
-    /// Of the whole.
+    /// The mark of the whole record.
     pub mark: Mark,
-    /// Actuator, specimen.
+    /// The marks of actuator and specimen.
     pub channels: [Mark; 2],
 }
 
@@ -100,7 +100,7 @@ fn channel(key: &ChannelKey, answer: &ChannelAnswer) -> Mark {
     }
 }
 
-/// The mark of an answer that names something, in a channel that hides something of the list.
+/// The mark of an answer that names something, in a channel that hides something from the list.
 fn named(hidden: &[Hidden], answer: &ChannelAnswer) -> Mark {
     let all = answer.named();
     let effects: Vec<&str> = answer.effects.iter().map(|e| e.name.as_str()).collect();

@@ -1,7 +1,7 @@
 //! The exam of the diagnosis: questions from the crate `exam`, answers in the shape of `diagnose --json`, one table.
 //!
-//! Anything that turns a [`exam::Paper`] into an [`Answer`] can take it: the diagnosis, a peer's answers from a file, or
-//! the made-up examinees of the tests here. Only [`grade`] and what follows it look at the key.
+//! Anything that turns a [`exam::Paper`] into an [`Answer`] can take it: the diagnosis, someone else's answers from a file, or
+//! the artificial examinees of the tests here. Only [`grade`] and what follows it use the key.
 
 pub mod answer;
 pub mod detection;

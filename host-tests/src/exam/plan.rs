@@ -1,14 +1,14 @@
-//! Which records an exam is made of.
+//! The records of an exam.
 
 use exam::{Class, Options};
 use std::ops::Range;
 
-/// Seeds that anybody may look at while the diagnosis is written.
+/// Seeds that may be looked at during development of the diagnosis.
 pub const TUNING: Range<u64> = 0..100_000;
-/// Seeds for the figures that are reported; never looked at before.
+/// Seeds for reported figures; never looked at before.
 pub const SEALED: Range<u64> = 1_000_000..1_100_000;
 
-/// Sizes of the detection limit, in units of the channel's floor.
+/// Sizes for the detection limit, in units of the channel's noise floor.
 pub const DETECTION_SIZES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 
 /// One record to be set.
@@ -18,12 +18,12 @@ pub struct Item {
     pub class: Class,
     /// Its seed.
     pub seed: u64,
-    /// Size of the effect, in units of the channel's floor, where the detection limit is looked for.
+    /// Size of the effect, in units of the channel's noise floor, if the record is for the detection limit.
     pub detection: Option<f64>,
 }
 
 impl Item {
-    /// What is chosen about it.
+    /// Its options.
     pub fn options(&self) -> Options {
         let nominal = Options::default();
         match self.detection {
@@ -38,7 +38,7 @@ impl Item {
     /// The record with this id, `class-seed`.
     ///
     /// # Errors
-    /// A sentence where there is no such class or the seed is not a number.
+    /// A sentence: there is no such class, or the seed is not a number.
     pub fn from_id(id: &str) -> Result<Self, String> {
         let refused = || format!("record id `{id}`: expected CLASS-SEED, as in `unseen-12`");
         let (class, seed) = id.split_once('-').ok_or_else(refused)?;
@@ -54,9 +54,9 @@ impl Item {
 /// The records of an exam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Their seeds come from here; every class starts at its beginning.
+    /// Range of their seeds; every class starts at its beginning.
     pub seeds: Range<u64>,
-    /// In the order in which they are set.
+    /// The records, in the order in which they are set.
     pub items: Vec<Item>,
 }
 
@@ -71,7 +71,7 @@ impl Plan {
         Self::new(seeds, [40, 40, 40, 18, 12, 8], 0)
     }
 
-    /// At most so many records of a class.
+    /// At most this many records of each class.
     pub fn at_most(mut self, records: u64) -> Self {
         let end = self.seeds.start.saturating_add(records);
         self.items.retain(|i| i.seed < end);
@@ -98,7 +98,7 @@ impl Plan {
         Self { seeds, items }
     }
 
-    /// `tuning`, `sealed`, or that the range is neither.
+    /// Whether the range is tuning, sealed or neither, in words.
     pub fn kind(&self) -> &'static str {
         let inside = |r: &Range<u64>| r.start <= self.seeds.start && self.seeds.end <= r.end;
         if inside(&TUNING) {

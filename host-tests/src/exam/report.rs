@@ -1,4 +1,4 @@
-//! The table of the targets, and the tables behind it.
+//! The table of the targets, and the detailed tables.
 
 use super::detection::{Point, detection};
 use super::grade::Mark;
@@ -14,29 +14,29 @@ use serde_json::{Value, json};
 pub struct Target {
     /// What is counted.
     pub what: &'static str,
-    /// What is aimed at.
+    /// The target value.
     pub wanted: Wanted,
-    /// The figure; none where there was nothing to count.
+    /// The figure; `None` if there was nothing to count.
     pub figure: Option<f64>,
-    /// Over how many records, channels or intervals.
+    /// Number of records, channels or intervals counted.
     pub count: usize,
 }
 
-/// What is aimed at.
+/// A target value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
-    /// A share of at least this.
+    /// A fraction of at least this.
     ShareAtLeast(f64),
-    /// A share of at most this.
+    /// A fraction of at most this.
     ShareAtMost(f64),
-    /// A share between the two.
+    /// A fraction between the two.
     ShareBetween(f64, f64),
     /// A number of at most this.
     AtMost(f64),
 }
 
 impl Target {
-    /// True if it was met; none where there was nothing to count.
+    /// True if it was met; `None` if there was nothing to count.
     pub fn met(&self) -> Option<bool> {
         let figure = self.figure?;
         Some(match self.wanted {
@@ -46,7 +46,7 @@ impl Target {
         })
     }
 
-    /// By how much it was missed, in the figure's own unit; none where it was met or there was nothing to count.
+    /// By how much it was missed, in the figure's own unit; `None` if it was met or there was nothing to count.
     pub fn missed_by(&self) -> Option<f64> {
         let figure = self.figure?;
         let by = match self.wanted {
@@ -89,14 +89,14 @@ impl Target {
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
     all: &'a [GradedRecord],
-    /// The targets, in the order of the task.
+    /// The targets.
     pub targets: Vec<Target>,
     /// The detection limit.
     pub detection: Vec<Point>,
 }
 
 impl<'a> Report<'a> {
-    /// Adds up the records.
+    /// Evaluates the records.
     pub fn new(all: &'a [GradedRecord]) -> Self {
         Self {
             all,
@@ -120,7 +120,7 @@ impl<'a> Report<'a> {
         table.to_string()
     }
 
-    /// What is aimed at on sealed exams, and by how much it is missed, as a table in Markdown.
+    /// The aims on sealed exams, and by how much they are missed, as a table in Markdown.
     pub fn aim_table(&self) -> String {
         let nominal = |s: &GradedRecord| s.item.detection.is_none();
         let share = |of: &dyn Fn(Class) -> bool, is: &dyn Fn(Mark) -> bool| {
@@ -147,7 +147,7 @@ impl<'a> Report<'a> {
         ])
     }
 
-    /// How the marks are spread over the classes.
+    /// Distribution of the marks in each class.
     pub fn mark_table(&self) -> String {
         let mut heads = vec!["class".to_string(), "records".into()];
         heads.extend(Mark::ALL.iter().map(|m| format!("{m:?}").to_lowercase()));
@@ -165,7 +165,7 @@ impl<'a> Report<'a> {
         table.to_string()
     }
 
-    /// What was answered to each hidden effect of a class where the answer was not exact.
+    /// The answers for each hidden effect of a class, with the most frequent wrong or inexact ones.
     pub fn confusion_table(&self, class: Class) -> String {
         let mut table = table(&["hidden", "records", "exact", "right", "wrong", "instead"]);
         for (what, row) in Tally::of(self.all, class).by_effect() {

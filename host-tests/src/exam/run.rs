@@ -1,4 +1,4 @@
-//! An examinee works through a plan.
+//! Runs an examinee through a plan.
 
 use super::answer::Answer;
 use super::grade::{Grade, grade};
@@ -14,11 +14,11 @@ pub struct GradedRecord {
     pub item: Item,
     /// Its key.
     pub key: Key,
-    /// What was answered; none where the examinee gave up with this sentence.
+    /// The answer, or the sentence with which the examinee gave up.
     pub answer: Result<Answer, String>,
     /// The grade; giving up counts as a channel that was not assessed.
     pub grade: Grade,
-    /// Time that the answer took one core, s.
+    /// Time of one core for the answer, s.
     pub seconds: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct GradedRecord {
 /// that its time does not depend on the others.
 ///
 /// # Errors
-/// A sentence where the machine has no thread to give.
+/// A sentence: a thread could not be created, or a worker panicked.
 pub fn run_exam(
     items: &[Item],
     examinee: impl Fn(&Item, &Paper) -> Result<Answer, String> + Sync,
@@ -80,8 +80,7 @@ fn answered(
     }
 }
 
-/// Time of this thread on a core, so that what else the machine does is not counted; wall time where the system does
-/// not tell.
+/// Time of this thread on a core, so that other load of the machine does not count; wall time if the system does not report it.
 struct Clock {
     wall: Instant,
     core_s: Option<f64>,

@@ -1,11 +1,11 @@
-//! What the answers of an exam add up to.
+//! Statistics over the answers of an exam.
 
 use super::grade::Mark;
 use super::run::GradedRecord;
 use exam::{Channel, Class};
 use std::collections::BTreeMap;
 
-/// Shares and distributions over some records.
+/// Fractions and distributions over some records.
 #[derive(Clone, Debug)]
 pub struct Tally<'a> {
     records: Vec<&'a GradedRecord>,
@@ -17,14 +17,14 @@ impl<'a> Tally<'a> {
         Self::over(all, |s| s.item.class == class && s.item.detection.is_none())
     }
 
-    /// Over all that `take` takes.
+    /// Over all that `take` accepts.
     pub fn over(all: &'a [GradedRecord], take: impl Fn(&GradedRecord) -> bool) -> Self {
         Self {
             records: all.iter().filter(|s| take(s)).collect(),
         }
     }
 
-    /// How many.
+    /// Number of records.
     pub fn len(&self) -> usize {
         self.records.len()
     }
@@ -34,13 +34,13 @@ impl<'a> Tally<'a> {
         self.records.is_empty()
     }
 
-    /// Share of the marks that `is` accepts; none of no records.
+    /// Fraction of the marks that `is` accepts; `None` if there are no records.
     pub fn share(&self, is: impl Fn(Mark) -> bool) -> Option<f64> {
         let n = self.records.iter().filter(|s| is(s.grade.mark)).count();
         (!self.is_empty()).then(|| n as f64 / self.len() as f64)
     }
 
-    /// Error after over noise floor on the held-out record, of every channel that hides an effect.
+    /// Ratio of the error after to the noise floor on the held-out record, for every channel that hides an effect.
     pub fn after_over_floor(&self) -> Vec<f64> {
         self.channels()
             .filter(|(s, c)| !s.key.channels[*c as usize].hidden.is_empty())
@@ -52,8 +52,7 @@ impl<'a> Tally<'a> {
             .collect()
     }
 
-    /// Channels whose model was changed, and of them those that fit the held-out record worse than before, by more
-    /// than a thousandth.
+    /// Number of channels whose model was changed, and of those that then fit the held-out record worse by more than 0.1 %.
     pub fn changed_and_worse(&self) -> (usize, usize) {
         let mut count = (0, 0);
         for (s, c) in self.channels() {
@@ -71,20 +70,20 @@ impl<'a> Tally<'a> {
         count
     }
 
-    /// True parameters with an interval, and of them those inside it; of exact answers to matched equations.
+    /// Number of true parameters with an interval, and of those inside it.
     pub fn covered(&self) -> (usize, usize) {
         let all: Vec<Estimate> = self.records.iter().flat_map(|s| estimates(s)).collect();
         (all.len(), all.iter().filter(|e| e.holds()).count())
     }
 
-    /// Wall times, s, in increasing order.
+    /// Times of the answers on one core, s, in increasing order.
     pub fn seconds(&self) -> Vec<f64> {
         let mut all: Vec<f64> = self.records.iter().map(|s| s.seconds).collect();
         all.sort_by(f64::total_cmp);
         all
     }
 
-    /// For each hidden effect (`channel name`): number, marks, and what was answered instead, most frequent first.
+    /// For each hidden effect (`channel name`): number, marks, and what was answered instead.
     pub fn by_effect(&self) -> BTreeMap<String, Row> {
         let mut rows: BTreeMap<String, Row> = BTreeMap::new();
         for s in &self.records {
@@ -114,14 +113,14 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// A true parameter and what was answered for it.
+/// A true parameter and its estimate.
 #[derive(Clone, Debug)]
 pub struct Estimate {
     /// `effect.parameter`.
     pub name: String,
     /// Its true value.
     pub truth: f64,
-    /// What was found.
+    /// The estimate.
     pub value: f64,
     /// 90 % interval.
     pub ci90: [f64; 2],
@@ -160,7 +159,7 @@ pub fn estimates(s: &GradedRecord) -> Vec<Estimate> {
     all
 }
 
-/// A row of the confusion.
+/// A row of the confusion table.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     /// How many records.
@@ -198,13 +197,13 @@ pub fn said(s: &GradedRecord) -> String {
     }
 }
 
-/// The value below which a share of sorted values lies; none of no values.
+/// The value below which this fraction of sorted values lies; `None` if there are none.
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     sorted.get((share * last as f64).round() as usize).copied()
 }
 
-/// The median; none of no values.
+/// The median; `None` if there are no values.
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     quantile(&values, 0.5)

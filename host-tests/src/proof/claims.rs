@@ -1,7 +1,8 @@
 //! What the tests of this repository claim to prove: the lines `// proves:` above them.
 //!
-//! A line is a list of ids; `by` names what the test makes to fail for these, as the code has it. An asterisk at the end of an id is
-//! all that begin so, for tests that go over the code's own list. What is named has to stand in the test, or in what it uses of its file.
+//! A line is a list of ids; `by` names what the test makes fail for these, as written in the code. An id with an asterisk at
+//! its end means all that begin so, for tests that iterate over the code's own list. What is named must appear in the test,
+//! or in what it uses of its file.
 
 use super::ids::Id;
 use std::path::{Path, PathBuf};
@@ -50,9 +51,9 @@ pub struct Claim {
     pub test: String,
     /// Where it runs.
     pub place: Place,
-    /// It waits for `scripts/nightly`.
+    /// It runs only in `scripts/nightly`.
     pub nightly: bool,
-    /// The ids, each with what is made to fail for it.
+    /// The ids, each with what is made to fail to prove it.
     pub ids: Vec<(String, Vec<String>)>,
 }
 
@@ -63,13 +64,13 @@ impl Claim {
     }
 }
 
-/// The line's beginning.
+/// Start of the line.
 const MARK: &str = "// proves: ";
 
-/// The claims of all tests below `top`, by file and place in it.
+/// The claims of all tests below `top`, by file and position in it.
 ///
 /// # Errors
-/// Claims that say what is not so, a sentence each.
+/// False claims, a sentence each.
 pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
     let (mut claims, mut wrong) = (Vec::new(), Vec::new());
     for path in rust_files(top) {
@@ -78,7 +79,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
         };
         let file = path.strip_prefix(top).unwrap_or(&path);
         let file = file.to_string_lossy().replace('\\', "/");
-        // Its own examples are none.
+        // The examples in this module are not claims.
         if !file.starts_with("host-tests/src/proof/") {
             of_a_file(&file, &text, ids, &mut claims, &mut wrong);
         }
@@ -97,7 +98,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
     }
 }
 
-/// Beginnings of the tests on the emulated board that a push leaves to the night, of `scripts/tiers`.
+/// Parts of the names of the tests on the emulated board that run only nightly, from `scripts/tiers`.
 fn skipped_in_a_push(tiers: &str) -> Vec<String> {
     let list = tiers.split_once("\nnightly_emulated=(");
     let list = list.and_then(|(_, rest)| rest.split_once(')'));
@@ -138,7 +139,7 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
         }
         let nightly = head.iter().any(|l| l.starts_with("#[ignore"));
         match claims.last_mut() {
-            // Its claim goes over several lines.
+            // Its claim takes several lines.
             Some(last) if last.file == file && last.test == name => {
                 last.ids.extend(claimed);
             }
@@ -153,7 +154,8 @@ fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong:
     }
 }
 
-/// Functions and constants of a file by their names, as rustfmt sets them: to the first line that is no deeper and ends something.
+/// Functions and constants of a file by their names, as rustfmt formats them: up to the first line of the same indent that
+/// ends in a brace or a semicolon.
 fn items(text: &str) -> Vec<(&str, String)> {
     let lines: Vec<&str> = text.lines().collect();
     let mut items = Vec::new();
@@ -186,7 +188,7 @@ fn items(text: &str) -> Vec<(&str, String)> {
     items
 }
 
-/// A test with all that it names of its file, and what that names.
+/// A test with all items of its file that it names, directly or indirectly.
 fn used_by(test: &str, items: &[(&str, String)]) -> String {
     let mut code = String::new();
     let mut names = vec![test];
@@ -216,7 +218,7 @@ fn list(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|w| !w.is_empty())
 }
 
-/// The ids that are meant; the test has to have what they are called in the code.
+/// The ids that are meant; the test must contain their names in the code.
 fn expand(claimed: &str, code: &str, ids: &[Id]) -> Result<Vec<String>, String> {
     let begin = claimed.strip_suffix('*');
     let meant: Vec<&Id> = ids.iter().filter(|id| id.is_meant_by(claimed)).collect();
@@ -258,7 +260,7 @@ fn rust_files(top: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Those that can be read; a folder that is not there has none.
+/// The readable entries of a folder; none if it does not exist.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let read = folder.read_dir().into_iter().flatten();
     read.filter_map(|entry| Some(entry.ok()?.path())).collect()

@@ -1,4 +1,4 @@
-//! What is to be proved: every command, fault, obstacle, limit, and pair of mode and event, by the code's own lists.
+//! What is to be proved: every command, fault, obstacle, limit, and pair of mode and event, from the code's own lists.
 
 use link::Command;
 use link::reply::Obstacle;
@@ -7,14 +7,14 @@ use outerloop_core::{Event, Fault, Mode};
 use serde::de::{DeserializeOwned, Deserializer, Error as _, Visitor, value::Error};
 use serde::forward_to_deserialize_any;
 
-/// Of what kind an id is.
+/// The kind of an id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// What the PC asks of the board.
+    /// A command of the PC to the board.
     Command,
     /// What trips a test.
     Fault,
-    /// What stands against arming.
+    /// What blocks arming.
     Obstacle,
     /// A key of `[limits]`.
     Limit,
@@ -44,19 +44,19 @@ impl Kind {
     }
 }
 
-/// One thing to be proved.
+/// Something to be proved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Id {
-    /// Of what kind.
+    /// Its kind.
     pub kind: Kind,
-    /// As it is claimed: `fault.adc_rail`, `mode.idle.arm`.
+    /// Its name in a claim: `fault.adc_rail`, `mode.idle.arm`.
     pub name: String,
-    /// Words of the code of which a file that claims it has at least one of each.
+    /// Words that the code of a test must all contain to claim it.
     pub words: Vec<String>,
 }
 
 impl Id {
-    /// Whether it is what is listed: its name, or the beginning of it before an asterisk.
+    /// Whether it is listed: by its name, or by the beginning of it before an asterisk.
     pub fn is_meant_by(&self, listed: &str) -> bool {
         match listed.strip_suffix('*') {
             Some(begin) => self.name.starts_with(begin),
@@ -120,15 +120,15 @@ fn snake(variant: &str) -> String {
     name
 }
 
-/// The names of an enum's variants or a structure's fields, as they are read.
+/// The names of an enum's variants or a struct's fields, as deserialized.
 fn names_of<T: DeserializeOwned>() -> &'static [&'static str] {
     let mut names: &'static [&'static str] = &[];
-    // It gives the names and no value.
+    // Returns the names and no value.
     let _ = T::deserialize(Names(&mut names));
     names
 }
 
-/// Is asked for a value and keeps by which names.
+/// A deserializer that gives no value and keeps the names.
 struct Names<'a>(&'a mut &'static [&'static str]);
 
 impl<'de> Deserializer<'de> for Names<'_> {
@@ -174,7 +174,7 @@ mod tests {
         let count = |kind| ids.iter().filter(|id| id.kind == kind).count();
         assert_eq!(count(Kind::Fault), Fault::ALL.len());
         assert_eq!(count(Kind::Mode), Mode::ALL.len() * Event::ALL.len());
-        // Of the others the code has no list but the type itself.
+        // For the others the code has no list except the type itself.
         assert!(count(Kind::Command) >= 13 && count(Kind::Obstacle) >= 6);
         for name in [
             "command.identify",

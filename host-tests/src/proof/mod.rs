@@ -1,4 +1,4 @@
-//! The proof table: what the board can be asked, what can trip it, and which test proves each of it, where.
+//! The proof table: the board's commands, what can trip it, and which test proves each of these, and where.
 //!
 //! Ids come from the code's own lists ([`ids`]). A test claims some of them in the line above it ([`claims`]):
 //!
@@ -6,8 +6,8 @@
 //! // proves: fault.adc_rail by SensorAtRail
 //! ```
 //!
-//! so a test that goes takes its claim along. What a claim is worth is shown by mutants of the code ([`mutants`]) and by
-//! what is made to fail in a test. [`page`] joins them and says where something is missing.
+//! so a removed test takes its claim along. Claims are validated by mutants of the code ([`mutants`]) and by what is made to
+//! fail in a test. [`page`] joins them and says what is missing.
 
 pub mod claims;
 pub mod ids;

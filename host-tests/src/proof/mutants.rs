@@ -1,4 +1,4 @@
-//! Changes of the code that a test has to see: `host-tests/mutants.toml`, and of the images, `emu/mutants.toml`.
+//! Changes of the code that a test must detect: `host-tests/mutants.toml`, and for the images, `emu/mutants.toml`.
 //! `scripts/mutants` makes them, one after the other, and runs the test that each names.
 
 use super::claims::{Claim, Place};
@@ -12,18 +12,18 @@ use std::path::Path;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mutant {
-    /// What it is, in some words.
+    /// Its description.
     pub name: String,
-    /// What the test proves by failing; an asterisk at the end is all that begin so.
+    /// What the test proves by failing; an id with an asterisk at its end means all that begin so.
     pub ids: Vec<String>,
-    /// It is wrong in so many ways, one after the other, and the test fails in each; 0 where there is one only.
+    /// Number of ways in which it is wrong, one after the other; the test fails in each. 0 if there is only one.
     #[serde(default)]
     pub ways: usize,
     /// The file, from the top of the repository.
     pub file: String,
-    /// What stands in it, once.
+    /// Text that occurs in it exactly once.
     pub find: String,
-    /// What stands there instead.
+    /// Its replacement.
     pub replace: String,
     /// The crate of the test.
     pub package: String,
@@ -33,7 +33,7 @@ pub struct Mutant {
     pub test: String,
 }
 
-/// An image without a mend of the review's findings, `emu/mutants.toml`, and the scenario of the emulated rig that fails on it.
+/// An image without the fix of a review finding, `emu/mutants.toml`, and the scenario of the emulated rig that fails on it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WithoutMend {
@@ -47,21 +47,21 @@ pub struct WithoutMend {
     pub target: String,
     /// The test, with its module.
     pub test: String,
-    /// What takes the mend out.
+    /// The edits that remove the fix.
     pub edits: Vec<Edit>,
 }
 
-/// What stands in a file once, and what is put in its place.
+/// A text in a file, and its replacement.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Edit {
     /// The file, from the top of the repository.
     pub file: String,
-    /// What stands in it, once.
+    /// Text that occurs in it exactly once.
     pub find: String,
-    /// What stands there instead.
+    /// Its replacement.
     pub replace: String,
-}
+    }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -76,7 +76,7 @@ fn read<T: DeserializeOwned>(top: &Path, file: &str) -> Result<Vec<T>, String> {
     Ok(list.mutant)
 }
 
-/// The list of wrong lines, with each of their `ids` by its whole name.
+/// The list of wrong lines, with the full names of all their `ids`.
 ///
 /// # Errors
 /// Why it cannot be read, a sentence.
@@ -95,7 +95,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Mutant>, String> {
                 return Err(format!("{}: {listed} is no id of the code", mutant.name));
             }
         }
-        // Of a pair, each outcome but the right one.
+        // For a pair, each outcome except the right one.
         let ways = pairs * Mode::ALL.len();
         if mutant.ways != ways {
             return Err(format!(
@@ -108,7 +108,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Mutant>, String> {
     Ok(mutants)
 }
 
-/// The list of images without a mend.
+/// The list of images without a fix.
 ///
 /// # Errors
 /// Why it cannot be read, a sentence.
@@ -116,7 +116,7 @@ pub fn without_mends(top: &Path) -> Result<Vec<WithoutMend>, String> {
     read(top, "emu/mutants.toml")
 }
 
-/// Of these, what no longer fits the code or the scenarios, a sentence each.
+/// Those that no longer fit the code or the scenarios, a sentence each.
 pub fn misfits_of_images(top: &Path, mutants: &[WithoutMend]) -> Vec<String> {
     let read = |file: String| std::fs::read_to_string(top.join(file)).unwrap_or_default();
     let mut wrong = Vec::new();

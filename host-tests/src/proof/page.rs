@@ -1,4 +1,4 @@
-//! The page docs/proof-table.md, and what is missing in it.
+//! The page docs/proof-table.md, and what is missing from it.
 
 use super::claims::{self, Claim, Place};
 use super::ids::{self, Id, Kind};
@@ -8,10 +8,10 @@ use outerloop_core::{Event, Mode};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Pairs of mode and event that are proved on this machine and on the image, at least, of a hundred.
+/// Smallest percentage of pairs of mode and event that must be proved on this machine, and on the image.
 pub const PAIRS_PERCENT: usize = 95;
 
-/// Everything that the table is made of.
+/// The contents of the table.
 #[derive(Clone, Debug)]
 pub struct Proofs {
     ids: Vec<Id>,
@@ -20,10 +20,10 @@ pub struct Proofs {
 }
 
 impl Proofs {
-    /// As the repository has them.
+    /// Reads them from the repository.
     ///
     /// # Errors
-    /// Claims and mutants that say what is not so, a sentence each.
+    /// Claims and mutants that are false, a sentence each.
     pub fn read() -> Result<Self, Vec<String>> {
         let (top, ids) = (top(), ids::all());
         let claims = claims::all(&top, &ids)?;
@@ -44,7 +44,7 @@ impl Proofs {
         there.any(|c| c.has(id))
     }
 
-    /// What the targets ask for and is not there, a sentence each.
+    /// What the targets require and is missing, a sentence each.
     pub fn gaps(&self) -> Vec<String> {
         let mut gaps = Vec::new();
         for id in &self.ids {
@@ -75,7 +75,7 @@ impl Proofs {
         modes.filter(|id| self.proved(&id.name, place)).count()
     }
 
-    /// Mutants by number, and what tests make to fail.
+    /// Mutants by number, and what tests make fail, for an id.
     fn spoilt(&self, id: &str) -> String {
         let mutants = self.mutants.iter().enumerate();
         let mutants = mutants.filter(|(_, m)| m.ids.iter().any(|i| i == id));
@@ -114,7 +114,7 @@ impl Proofs {
         page
     }
 
-    /// How much of each kind is held where.
+    /// Which percentage of each kind is proved where.
     fn shares(&self, page: &mut String) {
         page.push_str("\n| | there are | host | QEMU | image | a reason in place of the image |\n|---|---|---|---|---|---|\n");
         for kind in Kind::ALL {
@@ -156,7 +156,7 @@ impl Proofs {
         }
     }
 
-    /// What follows on each event in each mode, and where that is proved.
+    /// The mode after each event in each mode, and where that is proved.
     fn matrix(&self, page: &mut String) {
         let pairs = Mode::ALL.len() * Event::ALL.len();
         let [host, qemu, image] = Place::ALL.map(|place| self.pairs(place));

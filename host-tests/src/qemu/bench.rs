@@ -13,7 +13,7 @@ use plant::Rig;
 use std::io::{Error, Result};
 use std::path::Path;
 
-/// A ground motion that needs no file: two swinging sines, up to 5 m/s^2, that die out in the end.
+/// A ground motion that needs no file: two sines, one modulated, up to 5 m/s^2, faded out in the last second.
 pub fn shaking(seconds: f64) -> Shaking {
     let interval_s = 0.01;
     let point = |i: usize| {
@@ -31,7 +31,7 @@ pub fn shaking(seconds: f64) -> Shaking {
 /// The rig of a scenario, as a loop with `N` degrees of freedom sees it.
 ///
 /// # Panics
-/// Where the rig is refused.
+/// The rig is refused.
 pub fn rig<const N: usize>(scenario: &Scenario, seed: u64) -> impl FnMut(&[f32; N]) -> Sample<N> {
     let config = &scenario.config;
     let physical = config.physical_storeys();
@@ -56,10 +56,10 @@ pub fn rig<const N: usize>(scenario: &Scenario, seed: u64) -> impl FnMut(&[f32; 
 /// The records of all control periods from power-up on, as words.
 pub type Records = Vec<Vec<u32>>;
 
-/// What the operator does in a control period, by its number and the mode, and what the board reports.
+/// What the operator does, and which fault the board reports, in a control period, by its number and the mode.
 pub type Script<'a> = &'a dyn Fn(u32, Mode) -> (Option<Event>, Option<Fault>);
 
-/// Idles for a while, arms, starts as soon as it may and stays until the end.
+/// Idles for 200 periods, arms, and starts as soon as possible.
 pub fn plain(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
     let event = match mode {
         Mode::Idle if tick >= 200 => Some(Event::Arm),
@@ -69,8 +69,8 @@ pub fn plain(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
     (event, None)
 }
 
-/// What the watch is told of each actuator of a test: actuators that are `late_s` late, and specimens as the structure has
-/// them, with a first frequency of `omega_rad_per_s`.
+/// The watch's instructions for each actuator of a test: a delay of `late_s`, specimens as in the structure, and a first
+/// frequency of `omega_rad_per_s`.
 pub fn told(
     config: &Config,
     (omega_rad_per_s, peak_m, late_s): (f64, f64, f64),
@@ -109,7 +109,7 @@ pub fn told(
     each.collect()
 }
 
-/// Runs `ticks` control periods with core in this process; gives the watches that have seen them, too.
+/// Runs `ticks` control periods with core in this process; also returns the hash of the records and the watches.
 ///
 /// # Errors
 /// The test is refused.
@@ -133,7 +133,7 @@ pub fn here<const N: usize>(
     let mut watches = Vec::new();
     let records = drive(test, ticks, script, rig, |command, sample| {
         match command {
-            // Refused where it means nothing yet, here as there.
+            // Refused if it is not valid yet, here as in the image.
             Some(Command::Event(event)) => drop(outer.handle(*event)),
             Some(Command::Watch(_, told)) => {
                 let watch =
@@ -159,7 +159,7 @@ pub fn here<const N: usize>(
 /// Runs `ticks` control periods with the image in QEMU.
 ///
 /// # Errors
-/// The test is refused or the image goes away.
+/// The test is refused, or the image ends.
 pub fn emulated<const N: usize>(
     image: &Path,
     clock: Clock,
@@ -177,8 +177,8 @@ pub fn emulated<const N: usize>(
     Ok((records, machine.end()?))
 }
 
-/// The closed loop: the rig moves, is sampled, and the loop answers with the next command. The first periods tell the watch
-/// what it has to know; what the operator wants in one of these is not heard.
+/// The closed loop: the rig moves and is sampled, and the loop answers with the next command. The first periods send the watch
+/// its instructions; the operator's event in one of these is ignored.
 ///
 /// # Errors
 /// Those of `period`.

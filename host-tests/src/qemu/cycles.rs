@@ -2,12 +2,12 @@
 //!
 //! Two clocks run along the trace: the core's, by ARM's table of instruction timings (Cortex-M4 Technical Reference
 //! Manual, section 3.3, and 7.2.3 for the floating-point unit), and that of the flash of an STM32F42x behind its
-//! accelerator (RM0090, section 3.5.2) at 168 MHz: 5 wait states, lines of 16 bytes, 64 lines of instructions and 8 of
-//! constants kept, the next line read ahead. Every step begins with an empty cache: between two control interrupts
-//! everything else has run.
+//! accelerator (RM0090, section 3.5.2) at 168 MHz: 5 wait states, lines of 16 bytes, a cache of 64 lines of instructions and
+//! 8 of constants, the next line prefetched. Every step starts with an empty cache, since other code has run between two
+//! control interrupts.
 //!
 //! # Limitations
-//! Not calibrated against a chip; +-15 % is a guess. Data lie in memory without wait states; DMA takes no bus cycles.
+//! Not calibrated against a chip; +-15 % is a guess. Data are in memory without wait states; DMA takes no bus cycles.
 
 use crate::call_graph::CallGraph;
 use std::collections::{BTreeSet, VecDeque};
@@ -17,47 +17,47 @@ use std::ops::Range;
 /// Wait states of the flash at 168 MHz and 3.3 V.
 const WAIT_STATES: u64 = 5;
 
-/// Lines of instructions and of constants that the accelerator keeps.
+/// Lines of instructions and of constants in the accelerator's caches.
 const LINES: [usize; 2] = [64, 8];
 
-/// What one step took.
+/// Cost of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
     /// Instructions.
     pub instructions: u64,
-    /// Cycles out of memory without wait states.
+    /// Cycles from memory without wait states.
     pub without_waiting: u64,
-    /// Cycles out of the flash.
+    /// Cycles from the flash.
     pub cycles: u64,
 }
 
-/// What one instruction of a step took.
+/// Cost of one instruction of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Spent {
     /// Its address.
     pub at: u32,
-    /// Cycles, those in which the core waited for the flash included.
+    /// Cycles, including those in which the core waited for the flash.
     pub cycles: u32,
     /// Those in which it waited.
     pub waited: u32,
 }
 
-/// One step on its way through the core.
+/// One step, instruction by instruction.
 #[derive(Clone, Debug)]
 pub struct Course {
-    /// What it took.
+    /// Its cost.
     pub cost: Cost,
-    /// Instruction by instruction.
+    /// Its instructions.
     pub spent: Vec<Spent>,
 }
 
-/// The code of an image, and what of it belongs to the part of a control period that is looked at.
+/// The code of an image, and the functions of the measured part of a control period.
 pub struct Code {
     begin: u32,
     bytes: Vec<u8>,
-    /// The function that this part is, for a loop of each size.
+    /// The function of this part, for a loop of each size.
     steps: Vec<Range<u32>>,
-    /// The functions that they can come to.
+    /// The functions that they can reach.
     ranges: Vec<Range<u32>>,
 }
 
@@ -65,12 +65,12 @@ impl Code {
     /// Of an ELF image: the control step, from the sample to the command.
     ///
     /// # Errors
-    /// It is none, or has no loop.
+    /// It is not an ELF image, or has no loop.
     pub fn new(image: &[u8]) -> std::result::Result<Self, String> {
         Self::of(image, "OuterLoop", "4step17")
     }
 
-    /// Of an ELF image: what the rig watch has in every control period behind the command.
+    /// The rig watch's part of every control period after the command, in an ELF image.
     ///
     /// # Errors
     /// As [`Code::new`].
@@ -78,7 +78,7 @@ impl Code {
         Self::of(image, "watchers", "9hand_over17")
     }
 
-    /// Of an ELF image: what comes behind that where the watch asks for something else than before.
+    /// What follows that if the watch's orders change, in an ELF image.
     ///
     /// # Errors
     /// As [`Code::new`].
@@ -107,7 +107,7 @@ impl Code {
         })
     }
 
-    /// What the emulator is to write down: nothing but the step.
+    /// The addresses that the emulator is to trace: only those of the step.
     pub fn filter(&self) -> String {
         let ranges = self.ranges.iter();
         let ranges = ranges.map(|r| format!("{:#x}..{:#x}", r.start, r.end - 1));
@@ -122,7 +122,7 @@ impl Code {
         }
     }
 
-    /// True if the function that is looked at is at `pc`, or what returns for it.
+    /// True if `pc` is in the measured function, or in the tail call that returns for it.
     fn is_own(&self, pc: u32, run: &Run) -> bool {
         let mut own = self.steps.iter().chain(&run.tail);
         own.any(|range| range.contains(&pc))
@@ -146,7 +146,7 @@ impl Code {
                     pc => pc,
                 },
             };
-            // Whether it has returned is seen by what comes next: a return may hang on a condition.
+            // The next instruction shows whether it has returned, since a return may be conditional.
             if let (Some(active), Some(at)) = (&mut run, last)
                 && self.has_returned(at, pc, active)
             {
@@ -165,7 +165,7 @@ impl Code {
                 active.execute(self, last, Some(pc));
                 let called = is_call(self.half(last), self.half(last + 2));
                 if self.is_own(last, active) && !self.is_own(pc, active) && !called {
-                    // Its last call, which returns for it.
+                    // A tail call, which returns for it.
                     active.tail = self.ranges.iter().find(|r| r.contains(&pc)).cloned();
                 }
             }
@@ -173,7 +173,7 @@ impl Code {
         }
     }
 
-    /// True if the function that is looked at has returned by its instruction `at`, `next` being what is written down next.
+    /// True if the measured function has returned by its instruction `at`; `next` is the next one traced.
     fn has_returned(&self, at: u32, next: Option<u32>, run: &Run) -> bool {
         let (first, second) = (self.half(at), self.half(at + 2));
         self.is_own(at, run) && returns(first, second) && next != Some(at + size(first))
@@ -192,12 +192,12 @@ fn size(first: u16) -> u32 {
     if first >> 11 < 0b11101 { 2 } else { 4 }
 }
 
-/// Takes the program counter from the stack or the link register.
+/// Whether it loads the program counter from the stack or the link register.
 fn returns(first: u16, second: u16) -> bool {
     first & 0xff00 == 0xbd00 || first == 0x4770 || (first == 0xe8bd && second & 0x8000 != 0)
 }
 
-/// A call that comes back.
+/// Whether it is a call that returns.
 fn is_call(first: u16, second: u16) -> bool {
     let by_offset = first & 0xf800 == 0xf000 && second & 0xd000 == 0xd000;
     by_offset || first & 0xff80 == 0x4780
@@ -206,11 +206,11 @@ fn is_call(first: u16, second: u16) -> bool {
 /// How an instruction is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// So many cycles.
+    /// This many cycles.
     Takes(u64),
-    /// One load or store; the next to it is pipelined. The address is that of a constant in the flash.
+    /// One load or store; another directly after it is pipelined. The address is that of a constant in the flash.
     Transfer(Option<u32>),
-    /// So many words.
+    /// Load or store of this many words.
     Transfers(u64),
     /// Arithmetic of the floating-point unit: cycles, result, operands.
     Float(u64, u8, [u8; 3]),
@@ -239,7 +239,7 @@ fn kind(pc: u32, first: u16, second: u16) -> Kind {
     if f & 0xfe40 == 0xe800 {
         Kind::Transfers(u64::from(s.count_ones()))
     } else if f & 0xfe40 == 0xe840 {
-        // LDRD and STRD; a table branch reads one.
+        // LDRD and STRD; also a table branch, which reads one.
         Kind::Transfers(2)
     } else if f & 0xfe00 == 0xf800 {
         Kind::Transfer(constant(s & 0xfff))
@@ -271,13 +271,13 @@ fn float(f: u32, s: u32) -> Kind {
         (0, 0 | 1) | (1, 1 | 2) => Kind::Float(3, d, [n, m, d]),
         (0, _) => Kind::Float(1, d, [n, m, none]),
         (_, 0) => Kind::Float(14, d, [n, m, none]),
-        // VSQRT; the others move, compare and convert.
+        // VSQRT; the others are moves, comparisons and conversions.
         _ if f & 0xf == 1 && s & 0xc0 == 0xc0 => Kind::Float(14, d, [m, none, none]),
         _ => Kind::Float(1, d, [m, none, none]),
     }
 }
 
-/// One step on its way.
+/// A step being traced.
 struct Run {
     cost: Cost,
     /// Cycles in which the core waited for the flash.
@@ -285,7 +285,7 @@ struct Run {
     flash: Flash,
     last: Kind,
     spent: Vec<Spent>,
-    /// What was called last and returns for the function.
+    /// The tail call that returns for the function.
     tail: Option<Range<u32>>,
 }
 
@@ -305,7 +305,7 @@ impl Run {
         self.cost.without_waiting + self.waited
     }
 
-    /// The instruction at `pc`, after which that at `next` runs.
+    /// Times the instruction at `pc`; that at `next` runs after it.
     fn execute(&mut self, code: &Code, pc: u32, next: Option<u32>) {
         let (first, second) = (code.half(pc), code.half(pc + 2));
         let size = size(first);
@@ -331,7 +331,7 @@ impl Run {
             self.waited += self.flash.constant(constant, self.now());
         }
         if next != Some(pc + size) {
-            // The pipeline is filled again.
+            // The pipeline is refilled.
             cycles += 2;
         }
         self.cost.without_waiting += cycles;
@@ -359,16 +359,16 @@ impl Run {
 /// The flash behind its accelerator.
 #[derive(Default)]
 struct Flash {
-    /// Lines that are kept, the last used first: of instructions and of constants.
+    /// Cached lines, most recently used first: of instructions and of constants.
     kept: [VecDeque<u32>; 2],
     current: Option<u32>,
-    /// The line that is being read ahead, and when it is there.
+    /// The line being prefetched, and when it will be available.
     ahead: Option<(u32, u64)>,
     free_at: u64,
 }
 
 impl Flash {
-    /// Waiting for the instruction at `pc`.
+    /// Cycles of waiting for the instruction at `pc`.
     fn instruction(&mut self, pc: u32, now: u64) -> u64 {
         let line = pc >> 4;
         if self.current == Some(line) {
@@ -389,7 +389,7 @@ impl Flash {
         waited
     }
 
-    /// Waiting for the constant at `address`.
+    /// Cycles of waiting for the constant at `address`.
     fn constant(&mut self, address: u32, now: u64) -> u64 {
         let line = address >> 4;
         let waited = if self.kept[1].contains(&line) {
@@ -401,7 +401,7 @@ impl Flash {
         waited
     }
 
-    /// A line that is not there: behind what is being read, then the wait states.
+    /// Reads a line that is not cached: after what is being read, plus the wait states.
     fn read(&mut self, now: u64) -> u64 {
         let begin = self.free_at.max(now);
         self.free_at = begin + WAIT_STATES;

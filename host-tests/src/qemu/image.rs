@@ -1,25 +1,25 @@
-//! Images, built by `scripts/cross` when a test asks for one: what is tested is never an old one.
+//! Images, built by `scripts/cross` when a test asks for one, so that no old one is tested.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// Set where a missing compiler or emulator is a failure.
+/// Set if a missing compiler or emulator is a failure.
 const REQUIRED: &str = "OUTERLOOP_REQUIRE_QEMU";
 
-/// Exit status of `scripts/cross` where there is no compiler for the target.
+/// Exit status of `scripts/cross` if there is no compiler for the target.
 const NO_COMPILER: i32 = 3;
 
-/// Builds the image `name` of the firmware with `features`; the output of the build where it fails.
+/// Builds the image `name` of the firmware with `features`; the output of the build if it fails.
 ///
-/// `None` where it cannot be built or run on this machine, which has then been said.
+/// `None`, with a message, if it cannot be built or run on this machine.
 ///
 /// # Panics
-/// Where that is not allowed, or the script cannot be started.
+/// That is not allowed, or the script cannot be started.
 pub fn build(name: &str, features: &str) -> Option<Result<PathBuf, String>> {
     cross("build", &["--bin", name], features)
 }
 
-/// Builds the test on the board itself, as [`build`].
+/// Builds the test that runs on the board itself, as [`build`].
 ///
 /// # Panics
 /// As [`build`].
@@ -62,15 +62,15 @@ fn cross(verb: &str, what: &[&str], features: &str) -> Option<Result<PathBuf, St
     Some(executable(&output))
 }
 
-/// The image `name` with `features`, as [`build`], where it must build.
+/// The image `name` with `features`, as [`build`], but it must build.
 ///
 /// # Panics
-/// Where it does not.
+/// It does not build.
 pub fn image(name: &str, features: &str) -> Option<PathBuf> {
     build(name, features).map(must)
 }
 
-/// The same of an example of the firmware, which is evidence and no product.
+/// The same for an example of the firmware, which is evidence and not a product.
 ///
 /// # Panics
 /// As [`image`].
@@ -82,7 +82,7 @@ fn must(built: Result<PathBuf, String>) -> PathBuf {
     built.unwrap_or_else(|output| panic!("{output}"))
 }
 
-/// The executable that cargo reports in its messages, or what it has to say against it.
+/// The executable that cargo reports in its messages, or its errors.
 fn executable(output: &Output) -> Result<PathBuf, String> {
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned());

@@ -29,14 +29,14 @@ pub fn with_image(image: &Path) -> process::Command {
     command
 }
 
-/// A test: configuration, ground motion, and what the rig watch is told.
+/// A test: configuration, ground motion, and the rig watch's instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<'a> {
     /// Configuration.
     pub config: &'a Config,
     /// Ground motion.
     pub shaking: &'a Shaking,
-    /// Of each actuator; nothing where the test is not watched.
+    /// Instructions for each actuator; empty if the test is not watched.
     pub watched: &'a [Instructions],
 }
 
@@ -50,7 +50,7 @@ impl<'a> Test<'a> {
         }
     }
 
-    /// Before the control period `tick` the image is told of this actuator's watch, if there is one.
+    /// The command before control period `tick`: the instructions for this actuator's watch, if there are any.
     pub fn told(&self, tick: u32) -> Option<Command> {
         let told = self.watched.get(tick as usize)?;
         Some(Command::Watch(tick as u8, told.clone()))
@@ -60,15 +60,15 @@ impl<'a> Test<'a> {
 /// How the emulator's clock runs and what it measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// As fast as it can; what the image times means nothing.
+    /// As fast as possible; the image's timings mean nothing.
     Free,
-    /// 8 ns an instruction: what the image times are instructions.
+    /// 8 ns an instruction: the image's timings count instructions.
     Counting,
-    /// As `Counting`, one instruction at a time, each written to the standard error.
+    /// As `Counting`, one instruction at a time, each traced to standard error.
     Tracing,
 }
 
-/// A session with an image that runs in the emulator.
+/// A session with an image running in the emulator.
 #[derive(Debug)]
 pub struct Machine<const N: usize> {
     child: Child,
@@ -85,7 +85,7 @@ impl<const N: usize> Machine<N> {
         Self::start_filtered(image, clock, None)
     }
 
-    /// As [`Self::start`]; of a trace only the addresses of `filter` are written.
+    /// As [`Self::start`]; a trace contains only the addresses of `filter`.
     ///
     /// # Errors
     /// The emulator does not start.
@@ -117,7 +117,7 @@ impl<const N: usize> Machine<N> {
     /// Gives the image its test.
     ///
     /// # Errors
-    /// The image has gone, or refuses the test, in its own words.
+    /// The image has ended, or refuses the test, in its own words.
     pub fn begin(&mut self, test: &Test<'_>) -> Result<()> {
         let points = &test.shaking.acc_m_per_s2;
         self.accepted(Command::Motion {
@@ -134,7 +134,7 @@ impl<const N: usize> Machine<N> {
         self.accepted(Command::Configure(test.config.clone().into()))
     }
 
-    /// Sends a command that must be done.
+    /// Sends a command that must be accepted.
     fn accepted(&mut self, command: Command) -> Result<()> {
         self.send(&command)?;
         match self.reply()? {
@@ -150,7 +150,7 @@ impl<const N: usize> Machine<N> {
         self.write(&wire.map_err(|_| Error::other("the command is too long"))?)
     }
 
-    /// The reply to the command that was sent last.
+    /// The reply to the last command sent.
     fn reply(&mut self) -> Result<Reply> {
         loop {
             let mut byte = [0];
@@ -163,10 +163,10 @@ impl<const N: usize> Machine<N> {
         }
     }
 
-    /// One control period, after `command`; gives what was sent and the words of the record.
+    /// One control period, after `command`; returns the reply and the words of the record.
     ///
     /// # Errors
-    /// The image has gone, or refuses the command.
+    /// The image has ended, or refuses the command.
     pub fn period(
         &mut self,
         command: Option<&Command>,
@@ -179,7 +179,7 @@ impl<const N: usize> Machine<N> {
         self.write(&request.encode())?;
         if let Some(command) = command {
             self.send(command)?;
-            // An event that means nothing yet is rejected, here as there.
+            // An event that is not valid yet is rejected, here as in this process.
             if let Reply::Refused(refused) = self.reply()? {
                 return Err(Error::other(refused.to_string()));
             }
@@ -190,10 +190,10 @@ impl<const N: usize> Machine<N> {
         Ok((output, words.collect()))
     }
 
-    /// Ends the session; gives its account.
+    /// Ends the session; returns its account.
     ///
     /// # Errors
-    /// The image has gone, or did not end as it should.
+    /// The image has ended already, or with a failure.
     pub fn end(mut self) -> Result<SessionAccount> {
         self.write(&PeriodRequest::<N>::End.encode())?;
         let mut bytes = [0; SessionAccount::BYTES];
@@ -205,7 +205,7 @@ impl<const N: usize> Machine<N> {
         SessionAccount::decode(&bytes).map_err(malformed)
     }
 
-    /// What the emulator writes while it traces; it stands still, from its start on, where nobody reads it.
+    /// The emulator's trace; it must be read from the start, or the emulator blocks.
     pub fn trace(&mut self) -> Option<ChildStderr> {
         self.child.stderr.take()
     }
@@ -231,14 +231,14 @@ impl<const N: usize> Machine<N> {
 
 impl<const N: usize> Drop for Machine<N> {
     fn drop(&mut self) {
-        // Already over where the session was ended; nothing can be done where it will not stop.
+        // Already over if the session was ended; if it will not stop, nothing can be done.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Keeps this thread, and with it the emulator that it starts, on one processor: the two take turns, and a wake-up
-/// on another processor costs more than a control period.
+/// Keeps this thread, and the emulator that it starts, on one processor: the two take turns, and a wake-up on another
+/// processor costs more than a control period.
 fn share_a_processor() {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let all = core_affinity::get_core_ids().unwrap_or_default();

@@ -13,10 +13,10 @@ use std::path::Path;
 /// Control periods from power-up on: idle, armed, then strong motion.
 const PERIODS: u32 = 90;
 
-/// What the watch is told: a first frequency, rad/s, a peak, m, and the actuator's lateness, s.
+/// For the watch's instructions: first frequency, rad/s, peak, m, and the actuator's delay, s.
 const ABOUT: (f64, f64, f64) = (12.0, 0.05, 0.004);
 
-/// Five metres a second squared from the first point on, so that predictors learn and dampings act after some steps.
+/// 5 m/s^2 from the first point, so that predictors learn and dampings act after some steps.
 fn shaking() -> Shaking {
     let point = |i: usize| (5.0 * (18.0 * i as f64 * 0.01).cos()) as f32;
     Shaking {
@@ -34,7 +34,7 @@ fn script(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
     (event, None)
 }
 
-/// The whole pipeline on `N` storeys, the lowest `physical` of which stand in the laboratory and yield.
+/// The whole pipeline on `N` storeys, the lowest `physical` of which are in the laboratory and yield.
 fn scenario<const N: usize>(method: Method, physical: u8) -> Scenario {
     let mut config = table1();
     if N > 1 {
@@ -43,7 +43,7 @@ fn scenario<const N: usize>(method: Method, physical: u8) -> Scenario {
     }
     let mut scenario = whole_pipeline(Scenario::delayed(config, 4.0)).with(method);
     scenario.specimen = "kind = 'bilinear'\nyield_mm = 2.0\nhardening_ratio = 0.05".into();
-    // What is measured has noise from the first step on.
+    // Measurements have noise from the first step.
     scenario.config.limits.increment_m = Some(1.0);
     scenario.config.limits.velocity_m_per_s = Some(100.0);
     scenario
@@ -52,15 +52,15 @@ fn scenario<const N: usize>(method: Method, physical: u8) -> Scenario {
 /// The most expensive of the steps in which an integration step was solved.
 ///
 /// # Errors
-/// The emulator or the image in it has gone.
+/// The emulator or the image in it has ended.
 ///
 /// # Panics
-/// Where the trace has another number of steps than the test has control periods.
+/// The number of steps in the trace is not that of the control periods.
 pub fn most_expensive<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
     of::<N>(image, code, &scenario::<N>(method, 1), None)
 }
 
-/// The same with an actuator at each storey; watched where the watch may do something.
+/// The same with an actuator at each storey; watched if the watch's actions are given.
 ///
 /// # Errors
 /// As [`most_expensive`].
@@ -76,22 +76,22 @@ pub fn most_expensive_watched<const N: usize>(
     of::<N>(image, code, &scenario::<N>(method, N as u8), watched)
 }
 
-/// Control periods of a test in which a sensor stands from [`STANDS_FROM`] on: the watch learns the noise in the first second, and
-/// stops the test soon after.
+/// Control periods of a test in which a sensor freezes from [`STANDS_FROM`]: the watch learns the noise in the first second, and
+/// stops the test soon after the freeze.
 const PERIODS_OF_A_STOP: u32 = 4000;
 const STANDS_FROM: u32 = 3000;
 
-/// The most expensive run of `code` in a test in which the watch asks for something else than before: it stops the test because a
-/// displacement stands.
+/// The most expensive run of `code` in a test in which the watch's orders change: it stops the test because a displacement is
+/// frozen.
 ///
 /// # Errors
 /// As [`most_expensive`].
 ///
 /// # Panics
-/// As [`most_expensive`], and where the watch does not stop the test.
+/// As [`most_expensive`], or the watch does not stop the test.
 pub fn most_expensive_stop<const N: usize>(image: &Path, code: &Code) -> Result<Course> {
     let mut scenario = scenario::<N>(Method::Paper, N as u8);
-    // The force goes on while the displacement stands: a specimen that yields might not.
+    // The force keeps changing while the displacement is frozen; that of a yielding specimen might not.
     scenario.specimen.clear();
     let limits = &mut scenario.config.limits;
     (limits.stale_steps, limits.tracking_m) = (Some(u16::MAX), Some(1.0));
@@ -112,7 +112,7 @@ pub fn most_expensive_stop<const N: usize>(image: &Path, code: &Code) -> Result<
         if period == STANDS_FROM {
             stands_m = sample.displacement_m;
         } else if period > STANDS_FROM {
-            // With its noise: with what stands to the bit nothing is integrated.
+            // It keeps its noise, because a reading that is frozen to the bit is not integrated.
             let noise_m = 2e-5 * ((period % 3) as f32 - 1.0);
             sample.displacement_m = stands_m.map(|m| m + noise_m);
         }

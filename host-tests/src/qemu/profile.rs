@@ -1,7 +1,7 @@
 //! Where the instructions of a step go: every executed instruction, attributed by the image's own line tables.
 //!
-//! The step is inlined into one piece of code, so parts cannot be timed from outside. The emulator writes down each
-//! instruction that it runs, and the debug information tells from which function of core it was inlined.
+//! The step is inlined into one piece of code, so its parts cannot be timed from outside. The emulator traces each instruction,
+//! and the debug information gives the function of core from which it was inlined.
 
 use super::cycles::Course;
 use addr2line::Loader;
@@ -24,7 +24,7 @@ pub const PARTS: [&str; 8] = [
 /// Instructions of one step, by part.
 pub type Counts = [u32; PARTS.len()];
 
-/// What is around all other parts.
+/// The part that contains all others.
 const FRAME: usize = PARTS.len() - 1;
 
 /// The instructions of each step, by part.
@@ -48,8 +48,8 @@ pub fn parts(image: &Path, steps: &[Course]) -> Result<Vec<Counts>> {
     Ok(counted.collect())
 }
 
-/// The part that the instruction at `at` belongs to, inlined or not. None for a function that is nobody's own and counts as
-/// its caller's: libm, memory copies, 64-bit division.
+/// The part to which the instruction at `at` belongs, inlined or not. `None` for a shared function that counts as its
+/// caller's: libm, memory copies, 64-bit division.
 fn part_at(symbols: &Loader, at: u32) -> Option<usize> {
     // From the innermost inlined function outwards.
     let mut frames = symbols.find_frames(u64::from(at)).ok()?;
@@ -61,7 +61,7 @@ fn part_at(symbols: &Loader, at: u32) -> Option<usize> {
             .as_deref()
             .and_then(|n| n.split('<').next())
             .unwrap_or("");
-        // Not Rust's own library, which is called core, too.
+        // Not Rust's own library, which is also called core.
         if let Some((path, file)) = file.rsplit_once("core/src/")
             && !path.contains("library")
             && let Some(part) = part_of(file, name)
@@ -72,7 +72,7 @@ fn part_at(symbols: &Loader, at: u32) -> Option<usize> {
     None
 }
 
-/// The part that a function of core belongs to; none for helpers and closures, which belong to their callers.
+/// The part to which a function of core belongs; `None` for helpers and closures, which belong to their callers.
 fn part_of(file: &str, function: &str) -> Option<usize> {
     let name = match file.split(['/', '.']).next()? {
         "estimate" => "estimator",

@@ -6,21 +6,21 @@ use std::collections::BTreeMap;
 use std::io::{Error, Result};
 use std::path::Path;
 
-/// What a place in the source took.
+/// Cost of a place in the source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     /// Instructions.
     pub instructions: u64,
-    /// Cycles, those in which the core waited for the flash included.
+    /// Cycles, including those in which the core waited for the flash.
     pub cycles: u64,
     /// Those in which it waited.
     pub waited: u64,
 }
 
-/// How fine the places are.
+/// Resolution of the places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grain {
-    /// Functions, inlined ones too.
+    /// Functions, including inlined ones.
     Function,
     /// Lines.
     Line,
@@ -44,7 +44,7 @@ pub fn places(image: &Path, course: &Course, grain: Grain) -> Result<Vec<(String
     Ok(shares)
 }
 
-/// The innermost function of our own that the instruction at `at` comes from, or the function that it stands in.
+/// The innermost function of core from which the instruction at `at` comes, or the function that contains it.
 fn place(symbols: &Loader, at: u32, grain: Grain) -> String {
     let at = u64::from(at);
     if let Ok(mut frames) = symbols.find_frames(at) {
@@ -53,7 +53,7 @@ fn place(symbols: &Loader, at: u32, grain: Grain) -> String {
                 continue;
             };
             let file = location.file.unwrap_or_default();
-            // Rust's own library is called core, too.
+            // Rust's own library is also called core.
             let Some((path, file)) = file.rsplit_once("core/src/") else {
                 continue;
             };

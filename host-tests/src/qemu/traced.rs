@@ -7,7 +7,7 @@ use outerloop_core::Sample;
 use std::io::{Error, Result};
 use std::path::Path;
 
-/// Runs `ticks` control periods with the image in QEMU and gives the steps in which an integration step was solved.
+/// Runs `ticks` control periods with the image in QEMU; returns the steps in which an integration step was solved.
 ///
 /// # Errors
 /// As [`every`].
@@ -29,10 +29,10 @@ pub fn traced<const N: usize>(
     Ok(courses.map(|(course, _)| course).collect())
 }
 
-/// Runs `ticks` control periods with the image in QEMU; gives what is looked at, as often as it ran, and all records.
+/// Runs `ticks` control periods with the image in QEMU; returns every run of the measured code, and all records.
 ///
 /// # Errors
-/// The test is refused, or the emulator or the image in it has gone.
+/// The test is refused, or the emulator or the image in it has ended.
 pub fn every<const N: usize>(
     image: &Path,
     code: &Code,

@@ -1,5 +1,5 @@
-//! Tests of two coupled actuators, drawn for the verdicts: frames of other frequencies and coupling, actuators of other poles,
-//! delays and cross terms, specimens that yield, and a rig that is not quite the declared one.
+//! Tests of two coupled actuators, drawn for the verdicts: frames with different frequencies and coupling; actuators with
+//! different poles, delays and cross terms; specimens that yield; and a rig that differs slightly from the declared one.
 
 use super::verdicts::UniformDraws;
 use experiment::coupled::table::CoupledCompensation;
@@ -8,11 +8,11 @@ use std::fmt::Write;
 
 /// Mass, kg, and moment of inertia, kg m^2, of the frame's corner.
 const MASS: [f64; 2] = [1000.0, 60.0];
-/// Most by which a pole, zero or delay of the rig differs from the declared one, and a gain.
+/// Largest relative deviation of the rig's poles, zeros and delays, and of its gains, from the declared ones.
 const TIMES_OFF: f64 = 0.10;
 const GAINS_OFF: f64 = 0.02;
 
-/// This many test files; the compensations take turns.
+/// This many test files, with the compensations in turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let mut dice = UniformDraws::new(seed);
     let kinds = CoupledCompensation::ALL.into_iter().cycle();
@@ -89,7 +89,7 @@ impl Actuators {
             gain: [[0.87, cross], [cross, 0.92]],
             slow_pole_hz: [dice.between(2.0, 8.0), dice.between(2.0, 8.0)],
             fast_pole_hz: [dice.between(15.0, 60.0), dice.between(15.0, 60.0)],
-            // With less of the second, the cross terms would have a zero in the right half plane.
+            // With a smaller second lead, the cross terms would have a zero in the right half plane.
             path_lead_ms: [dice.between(0.0, 60.0), dice.between(5.0, 60.0)],
             natural_hz: dice.between(50.0, 100.0),
             delay_ms: [dice.between(0.0, 5.0), dice.between(0.0, 5.0)],

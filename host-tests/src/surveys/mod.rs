@@ -1,13 +1,13 @@
-//! What `check` and the interlocks of a test are worth, over many drawn tests on simulated rigs.
+//! Validation of `check` and the interlocks of a test over many drawn tests on simulated rigs.
 //!
 //! | look in | for |
 //! |---|---|
 //! | [`verdicts`] | the verdicts of `check` against what the tests then do |
 //! | [`coupled`] | tests of two coupled actuators for them |
-//! | [`monitor`] | the interlocks over sound tests and over such in which something breaks |
-//! | [`watch`] | the rig watch over sound tests and over such in which something goes wrong |
+//! | [`monitor`] | the interlocks over sound tests and over tests in which something breaks |
+//! | [`watch`] | the rig watch over sound tests and over tests with a fault |
 //! | [`watched_records`] | the same over records of real actuators |
-//! | [`promise`] | what both have to hold, and by how much they miss it |
+//! | [`promise`] | the targets of verdicts and interlocks, and by how much they are missed |
 
 pub mod coupled;
 pub mod monitor;

@@ -1,18 +1,19 @@
 //! The promise of the monitor: it never stops a sound test, and it stops one that runs away in time.
 //!
-//! Sound tests: every method but Eq 14 without its guards and those with `amb`, whose gains belong to one size of motion;
-//! delays within 20 % of what was declared, specimens that yield, noise, converters, ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
-//! counts where its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time where an indicator
-//! passes its threshold no later than in the step in which that happens.
+//! Sound tests: every method except Eq 14 without its guards and those with `amb`, whose gains are for one size of motion;
+//! delays within 20 % of the declared ones, specimens that yield, noise, converters, ground motions of three lengths. Broken
+//! tests: the same with something that breaks, in the strong part or, for a wrong stiffness, from the start. A broken test
+//! counts if its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time if an indicator passes its
+//! threshold no later than in the step in which that happens.
 //!
 //! | indicator | what it is |
 //! |---|---|
 //! | energy | core's: HSEM error and work of the correction over the energy in the test (`limits.energy_trip`) |
 //! | hsem | the published one: Mosqueda, Stojadinovic and Mahin, J. Struct. Eng. 133 (2007): HSEM error alone |
-//! | displacement | what is sent over the planned peak (`limits.displacement_m`) |
-//! | tracking | the reading's distance from where the actuator was sent, over what the declared delay and the planned speed make
-//!   of it and a twentieth of the planned peak (`limits.tracking_m`) |
-//! | reading | what is measured over the planned peak; the same `limits.displacement_m` bounds it, 3 % further out |
+//! | displacement | the command sent as a multiple of the planned peak (`limits.displacement_m`) |
+//! | tracking | the reading's distance from the command sent, as a multiple of what the declared delay and the planned speed give
+//!   plus a twentieth of the planned peak (`limits.tracking_m`) |
+//! | reading | the reading as a multiple of the planned peak; bounded by the same `limits.displacement_m`, 3 % further out |
 
 use super::verdicts::{DrawRange, UniformDraws, test_file};
 use experiment::Experiment;
@@ -30,17 +31,17 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;
 
-/// Motion over the planned peak before which a test has to be stopped.
+/// Multiple of the planned peak before which a test must be stopped.
 pub const TOO_FAR: f64 = 1.2;
 /// `limits.energy_trip` that no sound test reaches.
 pub const ENERGY_TRIP: f64 = 3.0;
-/// `limits.displacement_m` over the planned peak that no sound test reaches.
+/// `limits.displacement_m` as a multiple of the planned peak, which no sound test reaches.
 pub const DISPLACEMENT: f64 = 1.15;
-/// `limits.tracking_m` over what is planned that no sound test reaches.
+/// `limits.tracking_m` as a multiple of the planned distance, which no sound test reaches.
 pub const TRACKING: f64 = 2.0;
 /// Length of a test, s of model time.
 const SECONDS: f64 = 12.0;
-/// Largest error of a sound test: far from what no laboratory would use.
+/// Largest error of a sound test: a laboratory would still use its result.
 const SOUND_EPS_RMS: f64 = 0.05;
 /// Largest first natural frequency times delay of a sound test, rad.
 const SOUND_PHASE_RAD: f64 = 0.15;
@@ -65,7 +66,7 @@ pub enum BreakageKind {
 }
 
 impl BreakageKind {
-    /// What breaks, one after the other.
+    /// What breaks, in turn.
     pub const BROKEN: [Self; 4] = [
         Self::DelayJump,
         Self::Gain,
@@ -73,7 +74,7 @@ impl BreakageKind {
         Self::DeadSensor,
     ];
 
-    /// In tables.
+    /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sound => "sound",
@@ -85,14 +86,14 @@ impl BreakageKind {
     }
 }
 
-/// A test, and what the indicators came to.
+/// A test, and the largest values of the indicators.
 #[derive(Clone, Debug, Serialize)]
 pub struct MonitorCase {
     /// What breaks.
     pub kind: BreakageKind,
-    /// True where the test counts: a sound one whose result is good, a broken one that goes too far.
+    /// True if the test counts: a sound one with a good result, or a broken one that goes too far.
     pub counts: bool,
-    /// The largest of each indicator: of a sound test in all of it, of a broken one until it has gone too far.
+    /// The largest value of each indicator: of a sound test throughout, of a broken one until it has gone too far.
     pub largest: [f64; 5],
     /// Its error.
     pub eps_rms: f64,
@@ -156,23 +157,23 @@ impl TestObserver for Gauge<'_> {
     }
 }
 
-/// What is run: a test file, what breaks in it, and a stretch of the ground motion.
+/// A test to run: a test file, what breaks in it, and by which factor the ground motion is stretched.
 #[derive(Clone, Debug)]
 pub struct MonitorPlan {
     kind: BreakageKind,
     text: String,
     stretch: f64,
-    /// When, as a share of the test.
+    /// When it breaks, as a fraction of the test.
     at: f64,
     /// How much, 0 to 1.
     much: f64,
     seed: u64,
 }
 
-/// So many sound and so many broken tests.
+/// This many sound and broken tests.
 pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
     let mut dice = UniformDraws::new(seed);
-    // The gains of `amb` are tuned for one size of motion; on a rig of another it sends several times the planned peak.
+    // The gains of `amb` are tuned for one size of motion; with another it sends several times the planned peak.
     let mut predictors = Prediction::ALL.to_vec();
     predictors.retain(|&predictor| predictor != Prediction::Amb);
     let range = DrawRange {
@@ -181,7 +182,7 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
         rightly_declared: 0.0,
         predictors,
     };
-    // Eq 14 as it was first published is there to be compared with: with noise its damping jumps by orders of magnitude.
+    // Eq 14 as first published is only for comparison: with noise its damping jumps by orders of magnitude.
     let mut methods = Method::ALL.to_vec();
     methods.retain(|m| m.force != Force::Eq14Unguarded && m.predictor != Prediction::Amb);
     let kinds = std::iter::repeat_n(BreakageKind::Sound, sound)
@@ -269,7 +270,7 @@ impl MonitorPlan {
         let (score, gauge) = observers;
         let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
         let (counts, largest) = match self.kind {
-            // A test that another interlock has stopped is not counted as one that no indicator may stop.
+            // A test stopped by another interlock does not count as sound.
             BreakageKind::Sound => {
                 let good = ending.trip.is_none() && eps_rms <= SOUND_EPS_RMS;
                 (good && small_motions_decay(e)?, gauge.largest)
@@ -301,8 +302,8 @@ pub fn run(plans: &[MonitorPlan], one_done: impl Fn() + Sync) -> Result<Vec<Moni
         .collect()
 }
 
-/// By how much each actuator will be off its command where all is well: its planned speed times the declared delay, and
-/// a twentieth of its planned peak for noise and what is not known.
+/// Distance of each actuator from its command in a sound test: its planned speed times the declared delay, plus a twentieth of
+/// its planned peak for noise and unknowns.
 fn tracking_m(e: &Experiment, ideal: &Response) -> Vec<f64> {
     let config = &e.test.config;
     let late_steps = |j: usize| {
@@ -331,17 +332,17 @@ pub struct StopCounts {
     pub kind: BreakageKind,
     /// Tests that count.
     pub count: usize,
-    /// Tests that were drawn and do not count: sound ones with a poor result, broken ones that go nowhere.
+    /// Tests drawn that do not count: sound ones with a poor result, broken ones that do not go too far.
     pub others: usize,
     /// Stopped by each indicator at its threshold.
     pub stopped: [usize; 5],
-    /// Stopped by energy, displacement, tracking or reading: what a test runs with.
+    /// Stopped by energy, displacement, tracking or reading, the limits of an actual test.
     pub together: usize,
     /// The largest value of each indicator over sound tests.
     pub largest: [f64; 5],
 }
 
-/// Thresholds of the indicators. The published one has that of core's, so that they are compared at the same.
+/// Thresholds of the indicators. The published one has the threshold of core's, for a fair comparison.
 pub fn thresholds() -> [f64; 5] {
     let limits = Limits {
         displacement_m: Some(DISPLACEMENT),

@@ -1,32 +1,32 @@
-//! What was asked of verdicts and monitor, and by how much it is missed.
+//! Targets of verdicts and monitor, and by how much they are missed.
 
 use super::monitor::{BreakageKind, StopCounts};
 use super::verdicts::{ActualOutcome, VerdictCounts};
 use outerloop_core::Prediction;
 use serde::Serialize;
 
-/// Most sound tests that may be called doubtful, as a share.
+/// Largest fraction of sound tests that may be called doubtful or unstable.
 const MOST_DOUBTFUL: f64 = 0.05;
 
-/// Required of the verdicts: no test that runs away is called stable, and few that are sound are called otherwise.
+/// Required of the verdicts: no test that runs away is called stable, and few sound ones are called anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SurveyPromise {
     /// Tests that ran away.
     pub ran_away: usize,
-    /// Of them, called stable.
+    /// How many of them are called stable.
     pub ran_away_called_stable: usize,
     /// Sound tests.
     pub sound: usize,
-    /// Of them, called doubtful.
+    /// How many of them are called doubtful.
     pub sound_called_doubtful: usize,
-    /// Of them, called unstable.
+    /// How many of them are called unstable.
     pub sound_called_unstable: usize,
-    /// Of the sound ones that were called doubtful or unstable, those with `amb`.
+    /// How many of the sound tests called doubtful or unstable use `amb`.
     pub of_them_amb: usize,
 }
 
 impl SurveyPromise {
-    /// Of [`super::verdicts::table`].
+    /// Counts the rows of [`super::verdicts::table`].
     pub fn of(rows: &[VerdictCounts]) -> Self {
         let of = |tests: &str, truth| {
             let row = rows.iter().find(|r| r.tests == tests && r.truth == truth);
@@ -74,7 +74,7 @@ impl SurveyPromise {
     }
 }
 
-/// Least share of broken tests that are to be stopped in time.
+/// Smallest fraction of broken tests that must be stopped in time.
 const LEAST_STOPPED: f64 = 0.99;
 
 /// Required of the monitor: no sound test is stopped, and a broken one in time.
@@ -82,16 +82,16 @@ const LEAST_STOPPED: f64 = 0.99;
 pub struct MonitorPromise {
     /// Sound tests that count.
     pub sound: usize,
-    /// Of them, stopped.
+    /// How many of them are stopped.
     pub sound_stopped: usize,
     /// Broken tests that count.
     pub broken: usize,
-    /// Of them, stopped in time.
+    /// How many of them are stopped in time.
     pub broken_stopped: usize,
 }
 
 impl MonitorPromise {
-    /// Of [`super::monitor::table`].
+    /// Counts the rows of [`super::monitor::table`].
     pub fn of(rows: &[StopCounts]) -> Self {
         let mut promise = Self {
             sound: 0,

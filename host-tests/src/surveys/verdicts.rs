@@ -1,7 +1,7 @@
 //! The verdicts against what the tests then do, over many rigs: every method and predictor, delays of 0 to 80 ms, one to
 //! three storeys, specimens that yield, noise, converters, and compensations with a wrong declared delay.
 //!
-//! The test that counts is not the one that was looked at: it has other noise, twice.
+//! The test that counts is not the one that was checked: it is run twice with other noise.
 
 use experiment::Experiment;
 use experiment::compensation::Compensation;
@@ -24,11 +24,11 @@ use std::path::Path;
 
 /// Longest delay, ms.
 const LONGEST_MS: f64 = 80.0;
-/// Of a test, s of model time.
+/// Duration of a test, s of model time.
 const SECONDS: f64 = 20.0;
-/// Of each storey, kg.
+/// Mass of each storey, kg.
 const MASS_KG: f64 = 1000.0;
-/// How the rigs differ on which the verdict tries the planned motion.
+/// Spread of the rigs on which the verdict tries the planned motion.
 const SPREAD: Spread = Spread {
     plants: 0,
     seed: 1,
@@ -38,15 +38,15 @@ const SPREAD: Spread = Spread {
     damping: 0.2,
 };
 
-/// Rigs that are drawn around actuators of which only the declaration is known.
+/// Number of rigs drawn around actuators that are known only by declaration.
 const COUPLED_PLANTS: usize = 30;
 
-/// What of a rig the check is asked with.
+/// What the check knows of a rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Known {
     /// The rig itself.
     Rig,
-    /// Two coupled actuators as they are declared; the test then runs on others.
+    /// Two coupled actuators as declared; the test then runs on others.
     AsDeclared,
 }
 
@@ -54,7 +54,7 @@ pub enum Known {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ActualOutcome {
-    /// It ran to its end, and its result is the structure's to 10 % rms.
+    /// It ran to its end, and its result is accurate to 10 % rms.
     Sound,
     /// It tripped, or ran to its end with another result.
     Wrong,
@@ -63,7 +63,7 @@ pub enum ActualOutcome {
 }
 
 impl ActualOutcome {
-    /// What such tests did, in tables.
+    /// What such tests did, as words in tables.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Sound => "were sound",
@@ -73,7 +73,7 @@ impl ActualOutcome {
     }
 }
 
-/// A rig, what was said of it, and what it did.
+/// A rig, its verdict, and what it did.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurveyCase {
     /// Compensation.
@@ -81,11 +81,11 @@ pub struct SurveyCase {
     pub compensation: Compensation,
     /// The test file.
     pub test: String,
-    /// What was said.
+    /// The verdict.
     pub verdict: SoundnessVerdict,
     /// Why.
     pub reason: String,
-    /// The error that was expected.
+    /// The expected error.
     pub expected_eps_rms: f64,
     /// What it did, the worse of two.
     pub truth: ActualOutcome,
@@ -120,7 +120,7 @@ impl UniformDraws {
     }
 }
 
-/// This many test files; the methods take turns.
+/// This many test files, with the methods in turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let mut dice = UniformDraws::new(seed);
     let range = DrawRange {
@@ -136,15 +136,15 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
         .collect()
 }
 
-/// What is drawn from.
+/// Range of the draw.
 pub(super) struct DrawRange {
     /// Length of the tests, s of model time.
     pub(super) seconds: f64,
-    /// Longest delay, ms, on a structure of so many Hz.
+    /// Longest delay, ms, by the structure's first frequency, Hz.
     pub(super) latest: fn(f64) -> f64,
-    /// Share of compensations with the right declared delay; the others have one that is up to 20 % off.
+    /// Fraction of compensations with the correct declared delay; for the others it is wrong by up to 20 %.
     pub(super) rightly_declared: f64,
-    /// Behind one of which half of the force laws are put.
+    /// Predictors, one of which is used in half of the tests.
     pub(super) predictors: Vec<Prediction>,
 }
 
@@ -172,7 +172,7 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
         range.seconds
     );
 
-    // Short delays more often than long ones, of which few tests are sound.
+    // Short delays more often than long ones, with which few tests are sound.
     let delay_ms = (range.latest)(first_hz) * dice.between(0.0, 1.0).powi(2);
     let kind = dice.one_of(&["delay", "first_order", "second_order", "lag_delay"]);
     let (delay_ms, lag_ms) = match kind {
@@ -229,7 +229,7 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
     text
 }
 
-/// The verdict of `check`, why, and the error that it expects.
+/// The verdict of `check`, its reason, and the error that it expects.
 fn said(e: &Experiment, plants: usize) -> Result<(SoundnessVerdict, String, f64), Failure> {
     let said = if e.test.coupled_part().is_ok() {
         let spread = Spread { plants, ..SPREAD };
@@ -241,7 +241,7 @@ fn said(e: &Experiment, plants: usize) -> Result<(SoundnessVerdict, String, f64)
     Ok((said.verdict, said.reason, said.expected_eps_rms))
 }
 
-/// The same with the actuators that are declared in place of those that the rig has.
+/// The same with the declared actuators in place of the rig's.
 fn as_declared(e: &Experiment) -> Result<Experiment, Failure> {
     let part = e.test.coupled_part()?;
     let mut rig = part.rig.clone();
@@ -301,7 +301,7 @@ pub fn run(
         .collect()
 }
 
-/// How often each verdict was given to tests that did the same.
+/// How often each verdict was given to tests with the same outcome.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerdictCounts {
     /// Which tests.

@@ -1,4 +1,4 @@
-//! The rig watch over third-party records of real actuators, beside what is known of them.
+//! The rig watch over third-party records of real actuators, compared with what is known of them.
 
 use crate::outside::{lot, watched};
 use experiment::failure::Failure;
@@ -17,19 +17,19 @@ pub struct Row {
     pub known: String,
     /// What the watch said, in a sentence.
     pub watch: String,
-    /// What the diagnosis said of the record behind the name.
+    /// What the diagnosis said of the record.
     pub diagnosis: String,
-    /// Whether it agrees, where it was asked.
+    /// Whether it agrees, if it was asked.
     pub agrees: Option<bool>,
-    /// The watch named something, and nothing of its first set is right, between command and displacement.
+    /// The watch named something, and nothing in its first set, between command and displacement, is correct.
     pub is_false: bool,
 }
 
-/// Lateness under other names: a motion tells them apart only where it is fast.
+/// Names of a delay: only a fast motion distinguishes them.
 const LATE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "channel_skew"];
 
-/// A servo-hydraulic actuator and its declared model. Nobody has published what it lacks; what the diagnosis finds in it, part by
-/// part, stands in docs/diagnosis-validation.md.
+/// A servo-hydraulic actuator and its declared model. What the model lacks is not published; what the diagnosis finds, part
+/// by part, is in docs/diagnosis-validation.md.
 const MODEL: &str = "../examples/real/hydraulic-actuator.toml";
 const KNOWN: &str =
     "a mean that moves with speed, friction at reversals; a damper pulls with 1 kN (not published)";

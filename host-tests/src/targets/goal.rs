@@ -1,40 +1,40 @@
-//! A figure that was asked for, beside the one that was found, and how it is read off a row.
+//! A goal and its result, and how it is read from a row.
 
 use serde_json::Value;
 
-/// Figures that were asked for, beside those that were found.
+/// Goals and their results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
-    /// What is asked, and of whom.
+    /// What is required, and of which controller.
     pub asked: String,
-    /// What was found: a figure a case, an actuator or a coordinate.
+    /// The results: a figure for each case, actuator or coordinate.
     pub found: Vec<f64>,
-    /// The most that it may be, in the same order.
+    /// The upper limits, in the same order.
     pub limit: Vec<f64>,
     /// Unit of both: `%`, `points` of a per cent, `plants`, `s`.
     pub unit: &'static str,
-    /// By how much the worst figure is beyond its limit, in that unit; 0 or less is reached. Infinite where a figure is NaN, or
-    /// none was found.
+    /// By how much the worst figure exceeds its limit, in that unit; reached if 0 or less. Infinite if a figure is NaN or
+    /// there is none.
     pub missed_by: f64,
-    /// Why it is missed, where it is.
+    /// Why it is missed, if it is.
     pub why: Option<&'static str>,
 }
 
 /// Head of a table of goals.
 pub const GOAL_HEAD: [&str; 4] = ["asked for", "found", "at most", ""];
 
-/// A figure of a row; what is no number in JSON, such as NaN, is NaN.
+/// A figure of a row; NaN if JSON has no number for it.
 pub fn figure(row: &Value, name: &str) -> f64 {
     row[name].as_f64().unwrap_or(f64::NAN)
 }
 
-/// How many, in a row.
+/// A count in a row.
 pub fn count(row: &Value, name: &str) -> usize {
     row[name].as_u64().map_or(0, |n| n as usize)
 }
 
 impl Goal {
-    /// Of figures and the most that each may be.
+    /// A goal from figures and their upper limits.
     pub fn new(
         asked: impl Into<String>,
         unit: &'static str,
@@ -56,14 +56,14 @@ impl Goal {
         }
     }
 
-    /// With the reason that is given where it is missed.
+    /// Adds the reason to give if it is missed.
     #[must_use]
     pub fn or_because(mut self, why: &'static str) -> Self {
         self.why = (!self.reached()).then_some(why);
         self
     }
 
-    /// It is reached.
+    /// Whether it is reached.
     pub fn reached(&self) -> bool {
         self.missed_by <= 0.0
     }
@@ -90,7 +90,7 @@ impl Goal {
         ]
     }
 
-    /// In a sentence, with the reason where there is one.
+    /// In a sentence, with the reason if there is one.
     pub fn sentence(&self) -> String {
         let [asked, found, limit, said] = self.cells();
         let why = self.why.map_or_else(String::new, |why| format!(": {why}"));

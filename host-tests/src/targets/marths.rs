@@ -1,24 +1,24 @@
-//! What was asked for on the multi-axial problem, and by how much it is missed.
+//! Goals of the multi-axial problem, and by how much they are missed.
 
 use super::goal::{Goal, count};
 use benchmarks::marths::contestants::PairContestant;
 use benchmarks::marths::criteria::Both;
 use serde_json::Value;
 
-/// Drawn plants of which the worst was asked for.
+/// Number of drawn plants for the worst case.
 const PLANTS: usize = 100;
-/// J2 of the published decentralised controller under El Centro, and how near a reproduction has to come.
+/// J2 of the published decentralised controller under El Centro, and how close a reproduction must come.
 const RODEAC_J2: Both = [3.4, 1.8];
 const NEAR: f64 = 0.3;
-/// Most on the worst drawn plant.
+/// Limits for the worst drawn plant.
 const J2_TRUE: Both = [0.45, 0.20];
 const J5: Both = [0.4, 1.0];
-/// Most that J7 may be above what a tracker without error has.
+/// How far J7 may exceed that of a perfect tracker.
 const ABOVE_FLOOR: f64 = 0.1;
-/// Most of that floor, once the physical part is as it was found.
+/// Limit of that floor, with the physical part as identified.
 const FLOOR: f64 = 0.5;
 
-/// All that can be said of these rows and the answer that they stand in; nothing where another part is subtracted as physical.
+/// All goals that apply to these rows and their answer; none if another part is subtracted as physical.
 pub fn goals(rows: &[Value], answer: &Value) -> Vec<Goal> {
     if !answer["model"].is_null() {
         return Vec::new();
@@ -66,7 +66,7 @@ pub fn goals(rows: &[Value], answer: &Value) -> Vec<Goal> {
         let asked = format!("coupled and coupled-raw, lost of {plants} drawn plants");
         all.push(Goal::new(asked, "plants", [(lost as f64, 0.0)]));
     }
-    // J7's floors, as declared first, with all as found last.
+    // J7's floors: first as declared, last with everything as identified.
     let parts = answer["declared_part"].as_array().into_iter().flatten();
     all.extend(parts.filter_map(|part| {
         let record = part["record"].as_str()?;

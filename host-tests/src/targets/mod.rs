@@ -1,6 +1,6 @@
-//! What was asked of this program's makers in a benchmark problem, what was found, and by how much it is missed.
+//! Goals set for this program in a benchmark problem, its results, and by how much the goals are missed.
 //!
-//! Read from what `outerloop benchmark` answers as JSON, as a laboratory would read it.
+//! Read from the JSON answer of `outerloop benchmark`, as a laboratory would read it.
 
 mod goal;
 mod marths;
@@ -9,7 +9,7 @@ mod rths;
 pub use goal::{GOAL_HEAD, Goal};
 use serde_json::Value;
 
-/// All that can be said of an answer of `benchmark rths` or `benchmark marths`.
+/// All goals that apply to an answer of `benchmark rths` or `benchmark marths`.
 ///
 /// # Errors
 /// It is neither.

@@ -1,4 +1,4 @@
-//! What was to be beaten and to be reached on the problem of one actuator, and by how much it is missed.
+//! What was to be beaten or reached on the problem with one actuator, and by how much it is missed.
 
 use super::goal::{Goal, count, figure};
 use benchmarks::rths::published::{PORT, PortFigures, TABLE_3, WORST_DRAWN};
@@ -6,21 +6,20 @@ use benchmarks::rths::verdict::RIGHT_STRUCTURE;
 use benchmarks::rths::{Contestant, Deviation, Rules};
 use serde_json::Value;
 
-/// The setting in which some of that is given for tracking.
+/// The setting that trades some of the structure's accuracy for tracking.
 const RIGHT_TRACKING: &str = "hydraulic/mu=0.78/lead=0.5";
 
-/// Drawn plants a case of which the worst was asked for.
+/// Number of drawn plants per case for the worst case.
 const PLANTS: usize = 20;
-/// The record that figures were asked for on.
+/// The record for which figures were required.
 const RECORD: &str = "ElCentro";
-/// Longest that the whole table was to take on two cores, s.
+/// Longest time allowed for the whole table on two cores, s.
 const WHOLE_TABLE_S: f64 = 120.0;
 
-/// All that can be said of these rows and the answer that they stand in by the problem's rules, with drawn plants as published or
-/// drawn evenly.
+/// All goals that apply to these rows and their answer by the problem's rules, with plants drawn as published or drawn uniformly.
 pub fn goals(rows: &[Value], answer: &Value) -> Vec<Goal> {
     if rows.iter().any(|r| !r["energy_error"].is_null()) {
-        // The figures are asked for of the problem's own specimen, which does not yield.
+        // The goals are for the problem's own specimen, which does not yield.
         return Vec::new();
     }
     let Ok(evenly) = Rules::official().with(Deviation::UniformPlants.name()) else {
@@ -58,7 +57,7 @@ pub fn goals(rows: &[Value], answer: &Value) -> Vec<Goal> {
     all
 }
 
-/// The controllers whose nominal figures were to be those of an independent port: adaptive model-based, with its variants.
+/// The controllers whose nominal figures were to match an independent port: adaptive model-based, with its variants.
 fn ported() -> impl Iterator<Item = &'static PortFigures> {
     PORT.iter()
         .filter(|port| port.controller.starts_with("amb"))
@@ -132,12 +131,12 @@ fn four_cases<'a>(controller: &str, rows: &'a [Value]) -> Option<[&'a Value; 4]>
     own.try_into().ok()
 }
 
-/// Fewer plants were drawn than asked for.
+/// Whether fewer plants were drawn than required.
 fn too_few(rows: &[&Value]) -> bool {
     rows.iter().any(|r| count(r, "perturbed") < PLANTS)
 }
 
-/// Plants that were lost, of three records, four cases and twenty plants of each.
+/// No lost plants, out of three records, four cases and twenty plants of each.
 fn none_lost(controller: &str, rows: &[Value]) -> Option<Goal> {
     let own = || rows.iter().filter(|r| r["controller"] == controller);
     let drawn: usize = own().map(|r| count(r, "perturbed")).sum();
@@ -149,7 +148,7 @@ fn none_lost(controller: &str, rows: &[Value]) -> Option<Goal> {
 }
 
 fn largest_distance(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
-    // The largest of the total order: NaN, where there is one.
+    // The largest by total order: NaN, if there is one.
     let distances = pairs.map(|(a, b)| (a - b).abs());
     distances.max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
@@ -171,7 +170,7 @@ fn table_3(rows: &[Value]) -> Option<Goal> {
     ))
 }
 
-/// The published controller on the worst drawn plant, against a port that does not say how it draws.
+/// The published controller on the worst drawn plant, against a port whose way of drawing is not known.
 fn drawn_as_in_the_port(rows: &[Value], evenly: bool) -> Option<Goal> {
     let (controller, port) = WORST_DRAWN[0];
     let own = four_cases(controller, rows)?;
@@ -198,7 +197,7 @@ fn drawn_as_in_the_port(rows: &[Value], evenly: bool) -> Option<Goal> {
     Some(Goal::new(asked, "% of it", off).or_because(why))
 }
 
-/// How long the whole table took, wall clock: every controller, three records, four cases, twenty plants. `None` of a part.
+/// Wall-clock time of the whole table: every controller, three records, four cases, twenty plants. `None` for a part.
 fn whole_table(rows: &[Value], seconds: f64) -> Option<Goal> {
     let all = Contestant::all().len() * 3 * 4;
     (rows.len() == all && rows.iter().all(|r| count(r, "perturbed") >= PLANTS)).then(|| {
@@ -237,7 +236,7 @@ mod tests {
         let mut rows = published();
         assert_eq!(reached(&rows, "official"), [true]);
         assert_eq!(reached(&rows, "own"), [false; 0]);
-        // As JSON has NaN.
+        // This is how a NaN appears in JSON.
         rows[2]["J4"] = Value::Null;
         assert_eq!(reached(&rows, "official"), [false]);
     }

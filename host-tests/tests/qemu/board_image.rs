@@ -1,18 +1,18 @@
-//! The image that is flashed, looked at without running it: its size, and what its control interrupt can come to.
+//! Static checks of the flashed images: size, stack, and what the control interrupt can reach.
 
 use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-/// The images, the interrupt that each one's control period runs in (the chip's own converters, and external ones), and the flash
-/// that it may take.
+/// The images, the interrupt of each one's control period (with the chip's own converters, and with external ones), and the
+/// flash that it may take.
 const IMAGES: [(&str, &str, u64); 3] = [
     ("nucleo_f429zi", "ADC", MOST_FLASH),
     ("nucleo_f429zi_16", "TIM2", MOST_FLASH),
     ("nucleo_f429zi_3", "TIM2", MOST_FLASH + COUPLED_FLASH),
 ];
 
-/// The images as they are flashed, each with its control interrupt and its flash; none where there is no compiler for them.
+/// The flashed images, each with its control interrupt and its flash limit; none if there is no compiler for them.
 fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
     IMAGES.into_iter().filter_map(|(name, interrupt, flash)| {
         let coupled = if flash > MOST_FLASH { ",coupled" } else { "" };
@@ -22,20 +22,20 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
     })
 }
 
-/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written; a quarter was the aim
-/// until limits, calibration and two more methods came in (290 KiB). Converters that are asked live, further interlocks and
-/// refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled for the sizes that
-/// they have, and what it is told is worked out in software double precision. Methods that are best nowhere are left out: 364
-/// KiB with the chip's own converters, 371 with those of three actuators; with all of them 387 and 393. Three sizes of loop with
-/// each method, each with its design in double precision, are most of it.
+/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. A quarter was the
+/// aim until limits, calibration and two more methods were added (290 KiB). Live checks of the converters, further
+/// interlocks and refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled
+/// for their sizes, and its instructions are processed in software double precision. Methods that are nowhere the best are
+/// left out: 364 KiB with the chip's own converters, 371 with those for three actuators; with all methods 387 and 393. Most
+/// of it is three sizes of loop with each method, each with its design in double precision.
 ///
-/// What a test of two coupled actuators is sent with is understood, and refused in a sentence, by the images without its loop, too:
-/// 6 KiB more in each, 370 and 373. The guards of a fourth reading took 2: PERMIT read back, and what a load cell tells. Those of a fifth
-/// took 6, for 378 and 381: limits that have to be able to act, each with its sentence.
+/// Images without the loop for two coupled actuators also decode such a test and refuse it in a sentence: 6 KiB more in
+/// each, 370 and 373. The guards of a fourth review took 2: PERMIT read back, and the load cell's checks. Those of a fifth
+/// took 6, for 378 and 381: limits that must be able to act, each with its sentence.
 const MOST_FLASH: u64 = 384 * 1024;
 
-/// The loop of two coupled actuators, which the image for three has beside those of 1 to 3 storeys: another 42, of which its step
-/// and its design are most.
+/// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: another 42 KiB,
+/// mostly its step and its design.
 const COUPLED_FLASH: u64 = 44 * 1024;
 
 #[test]
@@ -48,11 +48,11 @@ fn size(bytes: &[u8], most: u64) {
     let (mut flash, mut ram) = (0, 0);
     for section in file.sections() {
         match section.kind() {
-            // Constants among which there are texts are a kind of their own.
+            // Constants that include texts are a section kind of their own.
             SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => {
                 flash += section.size();
             }
-            // Initialised variables lie in both.
+            // Initialised variables are in both.
             SectionKind::Data => (flash, ram) = (flash + section.size(), ram + section.size()),
             SectionKind::UninitializedData => ram += section.size(),
             _ => {}
@@ -67,7 +67,7 @@ fn size(bytes: &[u8], most: u64) {
     assert!(flash <= most, "{flash} of {most}");
 }
 
-/// Nothing that the tasks do can then hold the control interrupt up, and it is computed in single precision.
+/// Then nothing in the tasks can delay the control interrupt, and it is computed in single precision.
 #[test]
 fn the_control_interrupt_calls_no_log_no_critical_section_and_no_double_precision() {
     images().for_each(|(bytes, interrupt, _)| calls(&bytes, interrupt));
@@ -104,16 +104,16 @@ fn calls(bytes: &[u8], interrupt: &str) {
     );
     println!("{} functions", reach.functions.len());
 
-    // The search finds them where they are.
+    // The search finds them where they are used.
     let tasks = graph.reach("main", "rust_begin_unwind").unwrap().functions;
     for present in ["defmt", "critical_section", "__aeabi_d"] {
         assert!(tasks.iter().any(|f| f.contains(present)), "{present}");
     }
 }
 
-/// One stack serves the start, the tasks and the interrupts; at worst a background interrupt and the control interrupt stand
-/// on the deepest task. Calls through registers are few and known: the executor's to its tasks, which are added here, and
-/// those of formatting, which only a panic comes to.
+/// One stack serves the start, the tasks and the interrupts; at worst a background interrupt and the control interrupt are on
+/// top of the deepest task. Calls through registers are few and known: the executor's to its tasks, which are added here, and
+/// those of formatting, which only a panic reaches.
 #[test]
 fn the_stack_is_deep_enough() {
     images().for_each(|(bytes, interrupt, _)| depth(&bytes, interrupt));
@@ -129,13 +129,13 @@ fn depth(bytes: &[u8], interrupt: &str) {
     };
     let deepest = |part: &str| graph.names(part).map(stack).max().unwrap();
     let start = stack("main");
-    // The start ends in the executor, which does not come back, and its tasks stand on both.
+    // The start ends in the executor, which does not return, and the tasks are on top of both.
     let tasks =
         graph.frames("cortex_m_rt_main") + graph.frames("Executor") + deepest("TaskStorage");
     let interrupts = ["TIM3", "USART3", "DMA1_STREAM1", "DMA1_STREAM3", "FLASH"];
     let background = interrupts.map(stack).into_iter().max().unwrap();
     let control = stack(interrupt);
-    // Registers that an exception puts there, the floating-point ones included.
+    // Registers pushed by an exception, including the floating-point ones.
     let frame = 104 + 4;
     let worst = start.max(tasks) + frame + background + frame + control;
     let file = object::File::parse(bytes).unwrap();
@@ -148,12 +148,12 @@ fn depth(bytes: &[u8], interrupt: &str) {
     assert!(worst + 1024 <= room, "{worst} of {room}");
     let (largest, which) = graph.largest_frame();
     println!("largest frame: {largest} bytes: {which}");
-    // No frame steps over the 32 KiB below the stack that nobody may touch: `stack_guard`.
+    // No frame can skip the protected 32 KiB below the stack: `stack_guard`.
     assert!(largest < 16 * 1024, "{largest}: {which}");
 }
 
-/// On every way out PERMIT is low before a word of the reason is put together: four instructions that read no memory and call
-/// nothing stand before the first call.
+/// On every fatal path PERMIT is low before the reason is formatted: four instructions that read no memory and call nothing
+/// precede the first call.
 #[test]
 fn permit_drops_before_anything_is_called_on_every_way_out() {
     images().for_each(|(bytes, _, _)| ways_out(&bytes));
@@ -161,7 +161,7 @@ fn permit_drops_before_anything_is_called_on_every_way_out() {
 
 fn ways_out(bytes: &[u8]) {
     let graph = CallGraph::new(bytes).unwrap();
-    // As an assembler gives them: movw r1, #0x1018; movt r1, #0x4002; mov.w r2, #0x2000000; str r2, [r1].
+    // As assembled: movw r1, #0x1018; movt r1, #0x4002; mov.w r2, #0x2000000; str r2, [r1].
     let drop_permit = [
         0x41, 0xf2, 0x18, 0x01, 0xc4, 0xf2, 0x02, 0x01, 0x4f, 0xf0, 0x00, 0x72, 0x0a, 0x60,
     ];

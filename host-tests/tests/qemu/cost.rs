@@ -1,4 +1,4 @@
-//! What a step costs on a Cortex-M4F: instructions, state and stack.
+//! Cost of a step on a Cortex-M4F: instructions, state and stack.
 
 use host_tests::qemu::bench::{self, emulated, rig, shaking};
 use host_tests::qemu::cycles::Code;
@@ -23,7 +23,7 @@ fn three() -> Scenario {
     ))
 }
 
-/// [`parts`] of one degree of freedom, traced once for all that ask.
+/// [`parts`] of one degree of freedom, traced once for all tests.
 fn parts_of_one() -> Option<&'static [Counts]> {
     static TRACED: OnceLock<Option<Vec<Counts>>> = OnceLock::new();
     TRACED.get_or_init(|| parts::<1>(&single())).as_deref()
@@ -40,7 +40,7 @@ fn parts<const N: usize>(scenario: &Scenario) -> Option<Vec<Counts>> {
     Some(profile::parts(&image, &steps).unwrap())
 }
 
-/// Worst and mean of what `of` takes from every step.
+/// Worst and mean of `of` over all steps.
 fn worst_and_mean(steps: &[Counts], of: impl Fn(&Counts) -> u32) -> (u32, f64) {
     let counts: Vec<u32> = steps.iter().map(of).collect();
     let sum: u32 = counts.iter().sum();
@@ -98,7 +98,7 @@ fn the_image_counts_the_same() {
     println!(
         "worst step: {counted:.0} instructions by the clock of the image, {worst} by its trace"
     );
-    // The image's own count holds the copying of sample and command as well.
+    // The image's own count includes copying sample and command.
     let copying = counted - f64::from(worst);
     assert!((0.0..=30.0).contains(&copying), "{counted} and {worst}");
 }
@@ -128,7 +128,7 @@ fn state_and_stack() {
         [state, period, summary.event_stack_bytes]
     }
     let [state, period, event] = of::<1>(&image, &single());
-    // 4096 were the aim; 500 more are the eight blocks and eight orders between the loop and the rig watch.
+    // The aim was 4096; the eight blocks and eight orders between the loop and the rig watch take 500 more.
     assert!(state <= 4608);
     assert!(period <= 1024 && event <= 8192);
     let [_, period, event] = of::<3>(&image, &three());

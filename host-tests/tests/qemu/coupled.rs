@@ -1,4 +1,4 @@
-//! The tracker of two coupled actuators on a Cortex-M4F: the same bits as on this machine, and what a step costs.
+//! The tracker of two coupled actuators on a Cortex-M4F: the same bits as on this machine, and the cost of a step.
 
 #[path = "../../../firmware/examples/qemu_coupled/scenario.rs"]
 mod scenario;

@@ -14,20 +14,20 @@ use std::path::Path;
 /// From the sample to the command, 25 us at 168 MHz.
 const DEADLINE: u64 = 4200;
 
-/// What one storey and three storeys should take at most with any method.
+/// Target for one storey and for three storeys with any method.
 const AIM: [u64; 2] = [1500, 3400];
 
-/// Cycles by which a figure moves from build to build, where the linker puts the code, at most.
+/// Largest change of a figure from build to build, by where the linker puts the code, cycles.
 const BUILDS: u64 = 60;
 
-/// Why some take more than was aimed at.
+/// Why some miss the target.
 const WHY: [&str; 2] = [
     "what these methods compute takes most of it from memory without wait states (the middle figure); the rest is instructions \
      from a flash that is slower than the core",
     "two force and prediction stages, one after the other; every method by itself keeps it",
 ];
 
-/// Cycles beyond the aim, or a dash.
+/// Cycles beyond the target, or a dash.
 fn beyond(cycles: u64, aim: u64) -> String {
     match cycles.saturating_sub(aim) {
         0 => "-".into(),
@@ -52,7 +52,7 @@ fn cycles_of_a_step_with_every_method() {
         "", "1 storey", "2 storeys", "3 storeys"
     );
     let mut too_long = Vec::new();
-    // Of methods by themselves and of pairs, with one storey and with three: name and cycles of those beyond the aim.
+    // Single methods and pairs, with one storey and with three: name and cycles of those beyond the target.
     let mut missed: [[Vec<(String, u64)>; 2]; 2] = Default::default();
     for method in methods() {
         let costs = [
@@ -78,7 +78,7 @@ fn cycles_of_a_step_with_every_method() {
             beyond(three.cycles, AIM[1])
         );
         let told = MODEL_CYCLES.iter().find(|(name, _)| *name == method.name());
-        // What the desk's page has beside the board's own.
+        // The figure that the desk's page compares with the board's own.
         let (_, cycles) = told.expect("each is told");
         let off = one.cycles.abs_diff(u64::from(*cycles));
         assert!(
@@ -118,7 +118,7 @@ fn cycles_of_a_step_with_every_method() {
             );
         }
     }
-    // A board refuses at `Configure` what it has timed as too long.
+    // A board refuses at `Configure` what takes too long by its timing.
     assert!(too_long.is_empty(), "more than {DEADLINE}: {too_long:?}");
     assert!(
         missed[0][1].is_empty(),
@@ -128,11 +128,11 @@ fn cycles_of_a_step_with_every_method() {
     );
 }
 
-/// What watching may add to the longest step before the command, cycles, where nothing may be corrected: nothing, but the linker puts
+/// What watching may add to the longest step before the command, cycles, without corrections: nothing, but the linker puts
 /// the code elsewhere.
 const WATCHED_MOST: u64 = 5;
 
-/// Longest step without the watch, with it, and with everything that it may do.
+/// Longest step without the watch, with it, and with all corrections allowed.
 fn watched<const N: usize>(image: &Path, code: &Code) -> [Cost; 3] {
     let all = Corrections {
         lateness: true,
@@ -186,12 +186,11 @@ fn what_the_watch_costs_a_step() {
     }
 }
 
-/// What the watch may take of the interrupt, cycles: behind the command with what it adds before it, and behind it with other orders than
-/// before. Where the linker puts the code moves the second by some 35.
+/// What the watch may take of the interrupt, cycles: after the command plus what it adds before it; and after the command
+/// when its orders change. The second varies by some 35 with where the linker puts the code.
 const BEHIND_MOST: [u64; 2] = [60, 440];
 
-/// What is left to the interrupt behind the command: cycles where nothing is watched, where a step is watched, and where the watch asks
-/// for something else than before.
+/// The interrupt's cycles after the command: without the watch, with it, and when the watch's orders change.
 fn behind<const N: usize>(image: &Path, every: &Code, orders: &Code) -> [u64; 3] {
     let [without, with] = [None, Some(Actions::default())].map(|watched| {
         let course = most_expensive_watched::<N>(image, every, Method::Paper, watched);

@@ -1,4 +1,4 @@
-//! Every compensation on a Cortex-M4F: the same bits as here, and what it costs beyond the loop.
+//! Every compensation on a Cortex-M4F: the same bits as here, and its cost beyond the loop.
 
 use host_tests::qemu::bench::{self, emulated, first_difference, here, rig, shaking};
 use host_tests::qemu::image::image;
@@ -11,13 +11,14 @@ use std::path::Path;
 /// Instructions that a method may add to a step.
 const MOST: f64 = 400.0;
 
-/// The paper's damping behind a predictor is two methods.
+/// The paper's damping with a predictor is two methods.
 const MOST_OF_TWO: f64 = 650.0;
 
-/// What the estimation of four parameters may add: a model of fifth order, its sensitivities and recursive least squares.
+/// Instructions that the estimation of four parameters may add: a model of fifth order, its sensitivities and recursive
+/// least squares.
 const MOST_OF_AN_ESTIMATE: f64 = 300.0;
 
-/// What `name` may add to a step.
+/// Instructions that `name` may add to a step.
 fn most(name: &str) -> f64 {
     let laws = if name.starts_with("paper+") {
         MOST_OF_TWO
@@ -38,7 +39,7 @@ fn base() -> Scenario {
     scenario
 }
 
-/// A name and the test: every method, the paper's damping behind every predictor, the tangent force without one.
+/// A name and the test: every method, the paper's damping with every predictor, the tangent force without one.
 fn variants() -> Vec<(String, Scenario)> {
     let alone = Method::ALL
         .into_iter()
@@ -52,8 +53,8 @@ fn variants() -> Vec<(String, Scenario)> {
     alone.chain(behind).chain([last]).collect()
 }
 
-/// Largest number of instructions of a control period, with the copying of sample and command. The test must run to its end: the
-/// step in which one is stopped takes more, and that is not the method's.
+/// Largest number of instructions of a control period, including copying sample and command. The test must run to its end:
+/// the step that stops a test takes more, which is not due to the method.
 fn worst_instructions(image: &Path, scenario: &Scenario) -> f64 {
     let mut scenario = scenario.clone();
     // The published gains of `amb` are for motions below 10 mm; in this one it would learn more and more of the noise.
@@ -95,7 +96,7 @@ fn each_has_the_same_bits_here_and_there() {
         println!("{name:34} {hash:016x} in QEMU and here");
         hashes.push(hash);
     }
-    // Each of them does something else: a name that is not wired up would repeat another's record.
+    // All records differ: a name that is not wired up would repeat another's.
     hashes.sort_unstable();
     let before = hashes.len();
     hashes.dedup();

@@ -12,7 +12,7 @@ fn symbols(path: &std::path::Path) -> Vec<String> {
         .collect()
 }
 
-/// What the compiler calls for f64 on a processor that has none.
+/// Functions that the compiler calls for f64 on a processor without it.
 fn double_precision(symbols: &[String]) -> Vec<&String> {
     let is = |s: &&String| {
         s.starts_with("__aeabi_d") && *s != "__aeabi_d" || s.as_str() == "__aeabi_f2d"

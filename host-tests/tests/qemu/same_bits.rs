@@ -28,7 +28,7 @@ fn noisy(mut scenario: Scenario) -> Scenario {
     scenario
 }
 
-/// An operator who holds and goes on, and later clears the fault of the board and begins again.
+/// An operator who holds and resumes, and later clears the board's fault and starts again.
 fn busy(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
     let event = match (tick, mode) {
         (3000, _) => Some(Event::Hold),
@@ -88,7 +88,7 @@ fn one_degree_of_freedom() {
     }
 }
 
-/// Events are drawn in every mode that a session comes to, and faults of the board between them.
+/// Events are drawn in every mode that a session reaches, and board faults between them.
 // proves: mode.idle.*, mode.armed.*, mode.running.*, mode.holding.*, mode.finished.*, mode.tripped.*, mode.approaching.*
 // proves: mode.stopping.*
 // proves: fault.adc_rail, fault.emergency_stop, fault.deadline_missed, fault.link_lost, fault.disagree
@@ -106,7 +106,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
         Fault::ForceStands,
     ];
     let mut scenario = noisy(Scenario::delayed(table1(), 4.0));
-    // It comes back gradually after a hold, and slowly.
+    // The method is faded in after a hold, and the approach is slow.
     scenario.config.compensation.kind = Method::Tangent;
     scenario.config.timing.approach_m_per_s = 0.01;
     let seen = RefCell::new((BTreeSet::new(), BTreeSet::new()));
@@ -115,7 +115,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
             .wrapping_mul(0x85eb_ca6b)
             >> 8;
         let event = Event::ALL[draw as usize % Event::ALL.len()];
-        // What leads out of a test comes more rarely than what leads on; what lasts some steps only is asked more often.
+        // Events that end a test are rarer than those that continue it; short modes get events more often.
         let out = matches!(
             event,
             Event::Stop | Event::Finish | Event::Fault | Event::MinorFault
@@ -129,7 +129,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
             _ => 41,
         };
         let asked = (draw / 7).is_multiple_of(one_in);
-        // Idle, a fault stands against arming for 200 steps: there are fewer, or hardly any test begins.
+        // In idle a fault blocks arming for 200 steps: there are fewer there, or hardly any test would start.
         let drawn = draw % 997 == 3 && (mode != Mode::Idle || (draw / 997).is_multiple_of(11));
         let fault = drawn.then(|| BOARDS[draw as usize / 997 % BOARDS.len()]);
         let mut seen = seen.borrow_mut();
@@ -145,7 +145,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
         return;
     }
     let (pairs, faults) = seen.into_inner();
-    // Some pairs of these come too rarely to be drawn.
+    // Some pairs of these modes are too rare to be drawn.
     let short = [Mode::Commissioning, Mode::Returning, Mode::Resuming];
     let missing = Mode::ALL
         .into_iter()
@@ -154,7 +154,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
         .filter(|(mode, event)| !pairs.contains(&(*mode as u8, *event as u8)));
     assert_eq!(missing.collect::<Vec<_>>(), []);
     let missing = BOARDS.iter().filter(|f| !faults.contains(&f.code()));
-    // These two are drawn in other modes at least.
+    // These two are drawn at least in other modes.
     let missing = missing.filter(|f| !matches!(f, Fault::PermitChain | Fault::Output));
     assert_eq!(
         missing.collect::<Vec<_>>(),
@@ -169,7 +169,7 @@ fn three_degrees_of_freedom() {
         Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
         4.0,
     ));
-    // Each actuator has its own delay and lag, and the loop knows.
+    // Each actuator has its own delay and lag, known to the loop.
     scenario.actuator =
         "kind = 'lag_delay'\ndelay_ms = [4.0, 6.0, 9.0]\nlag_ms = [0.5, 1.0, 0.7]".into();
     let times = |ms| ActuatorTimes::each(ms).unwrap();
@@ -181,7 +181,7 @@ fn three_degrees_of_freedom() {
     }
 }
 
-/// The designs are worked out in f64 on both sides, on the target in software: the whole record must come to an end.
+/// The designs are computed in f64 on both sides, on the target in software; the test runs to the end of the record.
 #[test]
 fn a_whole_test_to_its_end() {
     let scenario = Scenario::delayed(table1(), 4.0);

@@ -1,4 +1,4 @@
-//! The rig watch in QEMU does what it does here, bit for bit: what it names, what it asks for, and what the loop makes of it.
+//! The rig watch in QEMU does what it does here, bit for bit: what it names, what it orders, and how the loop responds.
 
 use host_tests::Scenario;
 use host_tests::qemu::bench::{
@@ -10,7 +10,7 @@ use outerloop_core::watch::{Actions, Cause, Corrections, State, Watch};
 use outerloop_core::{Config, Method, Sample, flag};
 use std::collections::VecDeque;
 
-/// Control steps of 14 s; what goes wrong does so after 8 s.
+/// Control steps of 14 s; the fault comes after 8 s.
 const STEPS: u32 = 28_000;
 const FROM: usize = 16_000;
 
@@ -20,7 +20,7 @@ const OMEGA_RAD_PER_S: f64 = core::f64::consts::TAU;
 
 /// The example's rig, with a pure delay of `LATE_S`.
 const LATE_S: f64 = 0.014;
-/// Noise of a displacement, m rms, and about that of one that stands.
+/// Noise of a frozen displacement, m, about as large as that of the sensor.
 const NOISE_M: f32 = 3e-5;
 
 fn scenario<const N: usize>(method: Method) -> Scenario {
@@ -32,7 +32,7 @@ fn scenario<const N: usize>(method: Method) -> Scenario {
     scenario
 }
 
-/// A rig with which something goes wrong from [`FROM`] on.
+/// A rig with a fault from [`FROM`].
 fn spoilt<const N: usize>(
     mut rig: impl FnMut(&[f32; N]) -> Sample<N>,
     wrong: Wrong,
@@ -59,8 +59,8 @@ fn spoilt<const N: usize>(
     }
 }
 
-/// What goes wrong: actuators that are later by so many steps, a displacement that is read so many times as large, or one that stands
-/// with its noise.
+/// The fault: actuators that are later by some steps, a displacement reading with a wrong gain, or one that freezes with its
+/// noise.
 #[derive(Clone, Copy)]
 struct Wrong {
     steps: usize,
@@ -79,11 +79,11 @@ const LATER: Wrong = Wrong {
     ..NOTHING
 };
 
-/// A test with something wrong, and what the watch may do.
+/// A test with a fault, and what the watch may do.
 struct Case {
     method: Method,
     wrong: Wrong,
-    /// Where the specimen yields, of the planned peak.
+    /// Displacement at which the specimen yields, as a fraction of the planned peak.
     yields_at: Option<f64>,
     actions: Actions,
 }
@@ -147,14 +147,14 @@ fn first_in(records: &Records, state: State) -> Option<usize> {
     flags(records).position(|flags| flags >> flag::WATCH_STATE_SHIFT & 3 == state as u32)
 }
 
-/// The first control period in which something has a name, after what was wrong began.
+/// Control periods from the start of the fault to the first name.
 fn named(records: &Records) -> usize {
     let first = first_in(records, State::Named).expect("something is named");
     println!("named {} control steps after it began", first - FROM);
     first - FROM
 }
 
-/// Root mean square of displacement less target over the last 3 s, m, with one actuator.
+/// Rms of displacement minus target over the last 3 s, m, with one actuator.
 fn error_m(records: &Records) -> f64 {
     let last = &records[records.len() - 6000..];
     let error = |words: &Vec<u32>| f64::from(f32::from_bits(words[6]) - f32::from_bits(words[4]));

@@ -1,5 +1,5 @@
-//! A quick exam of the diagnosis: a few records of each class, graded as all of them are. The whole table is
-//! printed by `diagnosis-exam`; what is asked here is what no change may lose.
+//! A quick exam of the diagnosis: a few records of each class, graded like the full exam. The whole table is printed by
+//! `diagnosis-exam`; the bounds here are what no change may lose.
 
 use exam::effect::LIST;
 use exam::{Channel, Class};
@@ -11,7 +11,7 @@ use host_tests::exam::{Mark, Plan, examinee};
 #[test]
 fn the_diagnosis_passes_a_quick_exam() {
     let mut plan = Plan::quick(TUNING);
-    // Every effect by matched equations, every second one by unseen ones, a few of each other class.
+    // Every effect with matched equations, every second one with unseen ones, a few of each other class.
     plan.items.retain(|i| match i.class {
         Class::Matched => true,
         Class::Unseen => i.seed.is_multiple_of(2),
@@ -62,7 +62,7 @@ fn the_diagnosis_passes_a_quick_exam() {
     );
 }
 
-/// One curve by two names: a gap or a limit whose corners are round, and a spring that stiffens or softens.
+/// The same curve under two names: a gap or a limit with round corners, and a spring that hardens or softens.
 #[test]
 fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
     let one = |seed| Item {
@@ -70,7 +70,7 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
         seed,
         detection: None,
     };
-    // Effects take turns, in the order of the list.
+    // Effects come in turn, in the order of the list.
     let of = |hidden: &str| {
         let own = |(name, _, channel): &(&str, &str, Channel)| {
             *name == hidden && *channel == Channel::Specimen
@@ -87,8 +87,8 @@ fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
     }
 }
 
-/// A displacement's reading has the mains with a harmonic between two bins of a short rest, and the colour of a noise is no line of a
-/// pump.
+/// A displacement reading with mains hum and a harmonic between two bins of a short rest; and coloured noise, which is not a
+/// pump's line.
 #[test]
 fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_noise() {
     let ids = [

@@ -1,4 +1,4 @@
-//! The exam itself is examined: it must pass who knows the key, and fail who knows nothing.
+//! Test of the exam itself: an examinee that knows the key must pass, and one that knows nothing must fail.
 
 use exam::{Class, Key, set};
 use host_tests::exam::answer::{Effect, Error, Value};
@@ -12,7 +12,7 @@ fn plan() -> Vec<Item> {
     Plan::quick(TUNING).at_most(4).items
 }
 
-/// The keys of the plan, which are set once for all tests.
+/// The keys of the plan, computed once for all tests.
 fn keys() -> &'static [(Item, Key)] {
     static KEYS: LazyLock<Vec<(Item, Key)>> = LazyLock::new(|| {
         let with_key = |item: Item| (item, set(item.class, item.seed, &item.options()).key);
@@ -80,7 +80,7 @@ fn who_knows_the_key_meets_every_target() {
                 .map(|(i, (name, truth))| Value {
                     name: (*name).into(),
                     value: *truth,
-                    // An interval that is right nine times in ten.
+                    // An interval that holds nine times in ten.
                     ci90: Some(
                         if (i + key.floor_rms.to_bits() as usize).is_multiple_of(10) {
                             [truth + 1.0, truth + 2.0]
@@ -102,7 +102,7 @@ fn who_knows_the_key_meets_every_target() {
         });
         answer
     });
-    // Coverage over a dozen intervals and the wall time of this machine are not what is tested.
+    // Coverage over a dozen intervals and the speed of this machine are not tested here.
     for (i, met) in met
         .iter()
         .enumerate()
@@ -138,7 +138,7 @@ fn who_always_says_unknown_abstains_and_is_a_false_alarm() {
         verdict: "unknown".into(),
         ..Default::default()
     });
-    // Abstaining in the other channel, too, is an alarm there.
+    // Abstaining also in the other channel is an alarm there.
     assert_eq!([met[0], met[1], met[3], met[4], met[5]], [Some(0.0); 5]);
 }
 

@@ -1,4 +1,4 @@
-//! Diagnoses of whole sets of records: of exams, and from outside.
+//! Diagnoses of whole sets of records: of exams, and by third parties.
 #![allow(missing_docs)]
 
 mod exam_quick;

@@ -1,4 +1,4 @@
-//! The error that a diagnosis foretells of held-out data, on the pairs of open records that `scripts/next-errors` prints.
+//! The error that a diagnosis predicts for held-out data, on the pairs of open records that `scripts/next-errors` prints.
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use host_tests::foresight::{Pair, of_case};
@@ -24,8 +24,8 @@ fn foretold_errors_hold_in_most_pairs_of_open_records() {
         "{held} of {}",
         pairs.len()
     );
-    // An interval that says nothing is none. Where a model leaves next to nothing of slow parts and much of quick ones, a
-    // motion of another speed may leave anything between.
+    // A very wide interval is useless. If a model explains slow parts almost fully and fast parts poorly, a motion of
+    // another speed may leave anything in between.
     let narrow = |p: &&Pair| p.foretold[1] < 4.0 * p.foretold[0];
     let narrow = pairs.iter().filter(narrow).count();
     assert!(

@@ -1,4 +1,4 @@
-//! An unused channel, and a dial, on third-party records: what both must say is known there by other means
+//! An unused channel, and a varied setting, on third-party records: what both must show is known by other means
 //! (`outside2/README.md` of the data).
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
@@ -12,7 +12,7 @@ use experiment::files::witness::WitnessColumn;
 use plant::Effect;
 use std::path::{Path, PathBuf};
 
-/// The folder of the records; `None` where they are missing, which is counted.
+/// The folder of the records; `None` if they are missing, which is counted.
 fn folder() -> Option<PathBuf> {
     let cases = test_data::file("outside2/cases.toml")?;
     cases.parent().map(Path::to_owned)
@@ -23,7 +23,7 @@ fn part(folder: &Path, part: &str) -> Vec<Recording> {
     RecordFiles::default().parts(&[part]).unwrap()
 }
 
-/// What was found in two spans of a file, without their force where it is not to be read.
+/// The diagnosis of two spans of a file, without their force if `with_force` is false.
 fn found(
     folder: &Path,
     declared: &str,
@@ -85,7 +85,7 @@ fn the_pressure_of_a_shake_table_shows_friction_and_no_asymmetry() {
             other.unwrap_or(0.0)
         }
     };
-    // Motion that is held back at each reversal: by friction, or by play, which this motion cannot tell from it.
+    // The motion is held back at each reversal: by friction, or by play, which this motion cannot distinguish.
     assert_eq!(*says, Says::For);
     assert!(matches!(name, Effect::CoulombFriction | Effect::Backlash));
     assert!(of(Effect::CoulombFriction) > 0.6);
@@ -116,7 +116,7 @@ fn the_force_of_a_brake_follows_the_tension_of_its_band_and_nothing_declared_doe
     for number in &brake.numbers {
         assert_eq!(number.follows, number.name == "rms_n", "{number:?}");
     }
-    // The plateaus that its makers measured, as they grow: 4.2, 9.2, 12.5 kN; its sliding fills most of each loop.
+    // The plateaus measured by its makers, in increasing order: 4.2, 9.2, 12.5 kN; sliding fills most of each loop.
     let made = &brake.numbers[0].values;
     for (rms_n, plateau_n) in made.iter().zip([4.2e3, 9.2e3, 12.5e3]) {
         assert!((0.6..1.0).contains(&(rms_n / plateau_n)), "{made:?}");

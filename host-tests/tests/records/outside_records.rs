@@ -1,11 +1,11 @@
-//! The diagnosis on third-party records with known causes (`outside/cases.toml` says which names are right).
+//! The diagnosis on third-party records with known causes (`outside/cases.toml` gives the correct names).
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Verdict};
 use host_tests::outside::{Case, cases};
 use std::sync::LazyLock;
 
-/// The specimens of the open records, each diagnosed once for all that ask.
+/// The specimens of the open records, each diagnosed once for all tests.
 fn specimens() -> &'static [(Case, ChannelAnswer)] {
     static ANSWERED: LazyLock<Vec<(Case, ChannelAnswer)>> = LazyLock::new(|| {
         let all = cases().unwrap_or_default().into_iter();
@@ -29,7 +29,7 @@ fn specimens_are_answered_as_their_causes_say() {
             "{} {:?} {named:?} {:.3}",
             case.id, a.verdict, a.error_after.test_nrmse
         );
-        // Right names or a set that holds one, none that is never right, an error near a textbook fit's.
+        // Correct names or a set that contains one, none that is always wrong, an error near a textbook fit's.
         assert_eq!(
             case.points(a),
             1.0,
@@ -43,7 +43,7 @@ fn specimens_are_answered_as_their_causes_say() {
                 let whole: f64 = a.members.iter().map(|m| m.probability).sum();
                 assert!(whole > 0.85 && whole < 1.0 + 1e-9, "{}: {whole}", case.id);
             }
-            // More likely right than wrong, and never as sure as a law of the table that leaves nothing but noise.
+            // More likely right than wrong, but less certain than a law of the table that leaves only noise.
             _ => assert!(
                 a.effects
                     .iter()

@@ -1,5 +1,5 @@
-//! What the diagnosis says of records of real rigs. Nobody gave a key to them: the verdict is compared with what the
-//! rests before and after the motion, the physics, and data that was held out say.
+//! The diagnosis on records of real rigs. There is no key: the verdict is compared with the rests before and after the motion,
+//! the physics, and held-out data.
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict};
@@ -13,7 +13,7 @@ const NOISE: &str = "utfsm_bandlimited_15Hz0A";
 const SINE: &str = "utfsm_sine_10mm1Hz0A";
 const BEAM: &str = "nrc_faster";
 
-/// A record, or the part of it between two times; `None`, and a line that says so, where the data are missing.
+/// A record, or the part of it between two times; `None`, with a message, if the data are missing.
 fn record(name: &str, span_s: Option<[f64; 2]>) -> Option<Recording> {
     let file = test_data::file(&format!("measured/{name}.csv"))?;
     let part = FilePart { file, span_s };
@@ -29,7 +29,7 @@ fn diagnose(model: &Model, train: Recording, test: Recording) -> Diagnosis {
     diagnosis::diagnose(model, &[train], &[test], &[]).unwrap()
 }
 
-/// The one channel that was declared; nothing of the model may change where nothing was named.
+/// The one channel that was declared; if nothing was named, nothing of the model may change.
 fn only(d: &Diagnosis, model: &Model) -> ChannelAnswer {
     assert_eq!(d.channels.len(), 1);
     let a = d.channels[0].clone();
@@ -46,7 +46,7 @@ fn only(d: &Diagnosis, model: &Model) -> ChannelAnswer {
     if a.verdict == Verdict::Unknown {
         assert!(a.effects.is_empty() && a.alternatives.is_empty());
         assert_eq!(a.error_before, a.error_after);
-        // What is nearest is kept to be tried, switched off.
+        // The nearest effect is kept, disabled, to be tried.
         let mut in_use = d.improved.clone();
         let actuator = in_use.actuator.as_mut().map(|a| &mut a.effects);
         let specimen = in_use.specimen.as_mut().map(|s| &mut s.effects);
@@ -56,7 +56,7 @@ fn only(d: &Diagnosis, model: &Model) -> ChannelAnswer {
         assert_eq!(&in_use, model);
     }
     if a.verdict == Verdict::Ambiguous {
-        // The set is said three times: the model's own name, the others, and all of them with their probabilities.
+        // The set is given twice: as the model's own name with the alternatives, and as members with their probabilities.
         let mut said: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
         said.extend(&a.alternatives);
         said.sort();
@@ -72,7 +72,7 @@ fn mean(x: impl ExactSizeIterator<Item = f64>) -> f64 {
     x.sum::<f64>() / n
 }
 
-/// Mean of displacement less command, mm.
+/// Mean of displacement minus command, mm.
 fn shift(name: &str, span_s: [f64; 2]) -> Option<f64> {
     let r = record(name, Some(span_s))?;
     let (u, x) = (r.command_mm?, r.displacement_mm?);
@@ -85,7 +85,7 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
     let (Some(chirp), Some(noise)) = (record(CHIRP, None), record(NOISE, None)) else {
         return;
     };
-    // Two records; and one of them, so that its zero is the same in both parts.
+    // Two different records; then two parts of one, so that the zero is the same in both.
     let (first, last) = (noise.span(0.0, 28.0), noise.span(28.001, 46.799));
     for (train, test, floor_mm, verdict) in [
         (chirp, noise, 0.026, Verdict::Unknown),
@@ -93,13 +93,13 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
     ] {
         let a = only(&diagnose(&model, train, test), &model);
         assert_eq!(a.verdict, verdict);
-        // Unequal areas move the mean with speed, whichever the direction. The sweep cannot vouch for the name, and the
-        // zero was set anew behind it; within the other record it holds, and something else remains.
+        // Unequal piston areas shift the mean with speed, in either direction. The sweep cannot confirm the name, since the zero
+        // was reset after it; within the other record it holds, and something else remains.
         match verdict {
             Verdict::Unknown => {
                 let nearest = a.nearest.clone().unwrap();
                 assert_eq!(nearest.name, Effect::AsymmetricActuator);
-                // With its zero of another day the held-out record bears none of it out.
+                // With its zero of another day the held-out record does not confirm it.
                 assert!(nearest.explained < 0.3, "{nearest:?}");
             }
             _ => {
@@ -129,7 +129,7 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
     }
 }
 
-/// Why the shift in motion is neither drift nor an offset, and what most of the held-out error of the other record is.
+/// Why the shift in motion is neither drift nor an offset, and what causes most of the held-out error of the other record.
 #[test]
 fn the_rests_of_the_actuator_say_that_its_shift_is_of_motion_and_its_zero_of_the_day() {
     let of = |name, spans: [[f64; 2]; 3]| {
@@ -142,10 +142,10 @@ fn the_rests_of_the_actuator_say_that_its_shift_is_of_motion_and_its_zero_of_the
         return;
     };
     println!("displacement less command, mm, before, in motion, after: {chirp:.4?} {noise:.4?}");
-    // It comes with the motion and goes with it.
+    // The shift comes and goes with the motion.
     assert!(chirp[1] - chirp[0] > 0.04 && (chirp[2] - chirp[0]).abs() < 0.004);
     assert!(noise[1] - noise[0] > 0.02 && (noise[2] - noise[0]).abs() < 0.015);
-    // The zero was set anew between the two records, by several times of what the training leaves.
+    // The zero was reset between the two records, by several times the training error.
     assert!((0.10..0.16).contains(&(noise[0] - chirp[0])));
 }
 
@@ -159,7 +159,7 @@ fn the_damper_is_not_explained_by_one_effect_at_one_amplitude_and_frequency() {
         return;
     };
     let a = only(&diagnose(&model, first, last), &model);
-    // A force that yields with speed: friction in oil or a damper that saturates, and one frequency cannot say which.
+    // A force that saturates with speed: friction in oil or a saturating damper; one frequency cannot distinguish them.
     assert_eq!(a.verdict, Verdict::Ambiguous);
     let set: Vec<Effect> = a.members.iter().map(|m| m.name).collect();
     for name in [Effect::CoulombFriction, Effect::ViscousDamping] {
@@ -167,7 +167,7 @@ fn the_damper_is_not_explained_by_one_effect_at_one_amplitude_and_frequency() {
     }
     assert!(a.notes.iter().any(|n| n.contains("one frequency")));
     assert!(a.error_after.test_rms < 0.35 * a.error_before.test_rms);
-    // No rest: the noise is what one period differs by from the next.
+    // No rest: the noise is the difference from one period to the next.
     assert!(a.noise_floor_rms < 3.0, "{}", a.noise_floor_rms);
     assert!((0.2..0.3).contains(&a.error_before.test_nrmse));
 }
@@ -181,7 +181,7 @@ fn the_force_of_the_fatigue_rig_leads_and_its_lead_ends_at_higher_rates() {
     };
     let d = diagnose(&model, first.clone(), last.clone());
     let a = only(&d, &model);
-    // A loss that grows with speed at nearly its power: damping, and not all that is there.
+    // A loss nearly proportional to speed: damping, and something else.
     assert_eq!(a.verdict, Verdict::Partial);
     let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
     assert_eq!(names, [Effect::ViscousDamping]);
@@ -189,7 +189,7 @@ fn the_force_of_the_fatigue_rig_leads_and_its_lead_ends_at_higher_rates() {
     assert!((0.008..0.014).contains(&a.error_after.test_rms));
     assert!(a.improvement_ci90[0] > 0.03, "{:?}", a.improvement_ci90);
 
-    // The rest before the motion has no force; the offset that the motion's fit asks for is no offset, then.
+    // The rest before the motion has no force, so the offset fitted to the motion is not an offset.
     let rest = first.span(0.0, 0.7);
     let still = mean(rest.force_n.unwrap().into_iter());
     let offset = a

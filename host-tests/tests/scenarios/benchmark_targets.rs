@@ -1,4 +1,4 @@
-//! What was asked for in the benchmark problems is reached, by their own rules and on their own files.
+//! The goals set in the benchmark problems are reached, by their own rules and on their own files.
 
 use benchmarks::marths::bench::{MarthsRecord, Problem, rows};
 use benchmarks::marths::contestants::PairContestant;
@@ -45,7 +45,7 @@ fn those_of_one_actuator_are_reached() {
     let Some(goals) = rths(&controllers) else {
         return;
     };
-    // Six figures of ours and the distance of `amb/lead=1` from a port.
+    // Six goals of our own and the distance of `amb/lead=1` from a port.
     assert_eq!(goals.len(), 7, "{goals:?}");
     for goal in &goals {
         assert!(goal.reached(), "{}", goal.sentence());
@@ -102,7 +102,7 @@ fn those_of_two_actuators_are_reached() {
     let go_on = |_| ControlFlow::Continue(());
     let rows = rows(&problem, &[record], &contestants, 3, 1, go_on).expect("trials");
     let goals = goals(&json!({ "rows": rows })).expect("goals");
-    // RoDeAC reproduced; J2*, J5, J7 and J2* of raw readings; none lost. J7's floor as it was found: `benchmark_marths` of cli.
+    // RoDeAC reproduced; J2*, J5, J7 and J2* of raw readings; none lost. J7's floor as identified: `benchmark_marths` of cli.
     assert_eq!(goals.len(), 6, "{goals:?}");
     for goal in &goals {
         assert!(goal.reached(), "{}", goal.sentence());

@@ -1,4 +1,4 @@
-//! Two actuators on one coupler behind the firmware's own station, served to a model outside: the PC's side, over frames of bytes.
+//! Two actuators on one coupler behind the firmware's own station, served to an external model: the PC's side, over frames.
 
 use crate::board_served::{QUICK, session_of};
 use experiment::files::test::TestFile;
@@ -10,7 +10,7 @@ use outerloop_cli::serve::{Mover, SessionVerdict, serve_on_board};
 use plant::coupled::CoupledRig;
 use std::path::Path;
 
-/// The example with the specimen that is declared, for converters of 12 bits, whose codes are 61 um wide.
+/// The example with the specimen as declared, for converters of 12 bits, whose codes are 61 um wide.
 fn test() -> TestFile {
     let text = include_str!("../../../examples/coupled-frame.toml");
     let set = [
@@ -25,7 +25,7 @@ fn test() -> TestFile {
     TestFile::parse(text, "coupled-frame.toml", Path::new(""), &set).unwrap()
 }
 
-/// A board whose first two actuators somebody has calibrated, with what goes wrong in it.
+/// A board whose first two actuators are calibrated, prepared by `prepare`.
 fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback<3>)) -> Box<dyn Mover> {
     let part = test.coupled_part().unwrap();
     let (coupler, sensors) = (&part.declared.coupler, &test.plant.sensors);
@@ -61,7 +61,7 @@ fn force_and_moment_are_the_specimens_and_every_step_is_proven() {
     for (force, [x, turn]) in forces.iter().zip(PATH) {
         let own = stiffness.map(|row| row[0] * x + row[1] * turn);
         println!("{force:?} of {own:?}");
-        // Of codes of the force 12 N wide, a hundred on the mean.
+        // The mean of a hundred readings, with force codes 12 N wide.
         for (j, room) in [(0, 6.0), (1, 6.0)] {
             assert!((force[j] - own[j]).abs() < room, "{force:?} of {own:?}");
         }

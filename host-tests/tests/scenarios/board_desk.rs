@@ -1,4 +1,4 @@
-//! A board on the desk that saves until a sector of its flash is erased, on this machine.
+//! A simulated board on the desk: a slow probe, and saves until a sector of its flash is erased.
 
 use crate::board_link::{QUICK, loopback, test};
 use experiment::failure::Failure;
@@ -27,7 +27,7 @@ fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
         Leaves::Start(StartCause::Pin, None),
     );
     let row = incident::row(&mut board, expected, |_, board| {
-        // 300 looks of 20 steps, 3 s: the board gives up after half a one.
+        // 300 reads of 20 steps, 3 s: the board gives up after half a second.
         for _ in 0..300 {
             board.listen()?;
         }
@@ -40,7 +40,7 @@ fn a_board_does_not_give_the_pc_up_while_a_probe_takes_its_time() {
 /// A control period at 2 kHz, in cycles.
 const PERIOD_CYCLES: u32 = 84_000;
 
-/// A sector, and where the chip keeps tests: in two of them.
+/// Size of a sector, and where the chip keeps tests: in two of them.
 const SECTOR: u32 = 128 * 1024;
 const TESTS: Ring<TEST_BYTES> = Ring {
     sectors: [0, SECTOR],
@@ -48,7 +48,7 @@ const TESTS: Ring<TEST_BYTES> = Ring {
     slot_bytes: 2048,
 };
 
-/// Flash in memory, and how often a sector of it was erased.
+/// Simulated flash, and how often a sector of it was erased.
 struct Sectors {
     bytes: Vec<u8>,
     erased: u32,
@@ -61,7 +61,7 @@ impl Flash for Sectors {
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> bool {
         let places = &mut self.bytes[offset as usize..][..bytes.len()];
-        // Bits only fall, until they are erased.
+        // A write only clears bits; an erase sets them.
         for (place, new) in places.iter_mut().zip(bytes) {
             *place &= new;
         }
@@ -75,16 +75,16 @@ impl Flash for Sectors {
     }
 }
 
-/// What the simulated board has not: a flash.
+/// A flash, which the simulated board lacks.
 struct Chip {
     flash: Sectors,
     kept: BoardTest,
-    /// An erasure holds the control step that follows up by so many cycles.
+    /// Cycles by which an erase delays the next control step.
     held_up_cycles: u32,
 }
 
 impl Chip {
-    /// After each control step: what the board has just taken for saved is written.
+    /// After each control step: writes what the board has just been told to save.
     fn go_on(&mut self, loopback: &mut Loopback) {
         let erased = self.flash.erased;
         let [test, _] = std::mem::take(&mut loopback.board.saved);
@@ -105,7 +105,7 @@ impl Chip {
     }
 }
 
-/// As long as the board runs.
+/// Runs after each step, as long as the board runs.
 fn after_each_step(chip: Rc<RefCell<Chip>>) -> FaultInjection {
     Box::new(move |loopback: &mut Loopback| {
         chip.borrow_mut().go_on(loopback);
@@ -114,7 +114,7 @@ fn after_each_step(chip: Rc<RefCell<Chip>>) -> FaultInjection {
     })
 }
 
-/// What the desk finds, and how many sectors were erased.
+/// The desk's result, and how many sectors were erased.
 fn saves(held_up_cycles: u32) -> (DeskRow, u32) {
     let test = test(&[]);
     let flash = Sectors {

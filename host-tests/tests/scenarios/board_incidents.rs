@@ -1,4 +1,4 @@
-//! What goes wrong between PC and board in the middle of a test or a signal: the PC says so, and keeps what came.
+//! Faults between PC and board in the middle of a test or a signal: the PC reports them, and keeps what it received.
 
 use crate::board_link::{
     chirp, connect, connect_with, loopback, play_to_an_end, run_by, run_on, run_over, test,
@@ -31,7 +31,7 @@ fn a_cut_link_keeps_what_was_received_and_says_so() {
     );
 }
 
-/// Its power goes and comes, at this step.
+/// A power cycle at this step.
 fn without_power_at(t: &TestFile, step: u64) -> (u64, FaultInjection) {
     let t = t.clone();
     (step, Box::new(move |b| *b = loopback(&t)))
@@ -51,7 +51,7 @@ fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
     let said = board.sentence();
     let why = "the board has started again, and what ran on it is over: its power had been away";
     assert!(said.contains(why), "{said}");
-    // What ends there is the test, and not the time before it.
+    // The reported time is that of the test, without the time before it.
     let ended_s = trace.len() as f64 / 2000.0;
     let told = format!("Tripped on link_lost after {ended_s:.2} s of the laboratory.");
     assert!(summary.sentence().contains(&told), "{}", summary.sentence());
@@ -60,7 +60,7 @@ fn a_board_that_starts_again_in_a_test_ends_it_and_what_was_received_is_kept() {
 #[test]
 fn noise_on_the_line_and_a_board_that_hears_nothing_end_the_test_and_keep_it() {
     let noisy: FaultInjection = Box::new(|b| b.is_noisy = true);
-    // It trips by itself, and its telemetry says so: it answers no question.
+    // It trips by itself, and its telemetry says so, but it answers no command.
     let deaf: FaultInjection = Box::new(|b| b.is_deaf = true);
     for (happens, why) in [
         (noisy, "nothing that can be read came"),
@@ -69,7 +69,7 @@ fn noise_on_the_line_and_a_board_that_hears_nothing_end_the_test_and_keep_it() {
         let t = test(&[]);
         let mut board = loopback(&t);
         board.incidents.push_back((9000, happens));
-        // Half a second until the PC has heard nothing for long, and another until the board has; the ramp takes a tenth.
+        // Half a second until the PC's timeout, and another until the board's; the ramp takes a tenth.
         let stands = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&stands);
         let look = move |b: &mut Loopback| seen.store(b.board.mode() == Mode::Tripped, Relaxed);
@@ -167,8 +167,8 @@ fn a_test_of_which_a_step_came_out_otherwise_is_stopped_on_its_ramp() {
     assert!(steps > 3000 && steps < 9100, "{steps}");
 }
 
-/// Runs a test that ends on its ramp, since its energy error is too large; with the emergency stop pressed in the third step of
-/// the ramp, where that is asked for. How many steps the board was on the ramp.
+/// Runs a test that ends on its ramp, since its energy error is too large; if `pressed`, the emergency stop is pressed in
+/// the third step of the ramp. Returns the number of steps on the ramp.
 fn ramped(pressed: bool) -> u32 {
     let t = test(&["limits.energy_trip=0.002"]);
     let mut board = loopback(&t);
@@ -216,7 +216,7 @@ fn a_test_that_is_held_while_the_keyboard_goes_is_stopped() {
     };
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // The last line has the last end of the keyboard.
+    // The last line drops the keyboard's sender.
     board.incidents.extend([
         (700, types("", person.clone())),
         (800, types("0.2", person.clone())),

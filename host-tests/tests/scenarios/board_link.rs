@@ -1,4 +1,4 @@
-//! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
+//! The PC's side of the link against the firmware's own station, over frames, with a rig behind converters of 12 bits.
 
 use experiment::Experiment;
 use experiment::bench::{OnBoard, Played};
@@ -38,7 +38,7 @@ pub fn loopback(t: &TestFile) -> Loopback {
     Loopback::new(Rig::new(&t.plant, storeys, t.config.timing.rate_hz, 1).unwrap())
 }
 
-/// A connection to a board that has been calibrated as it is wired.
+/// A connection to a board calibrated as it is wired.
 pub fn connect(board: Loopback) -> Connection<Loopback> {
     connect_with(board, QUICK)
 }
@@ -77,7 +77,7 @@ pub fn run_by(
     )
 }
 
-/// A test that ran to its end on a board, each of whose steps was worked out again.
+/// The board's account of a test that ran to its end with every step recomputed.
 fn ran_with_every_bit_proven(summary: &Summary) -> &OnBoard {
     let board = summary.board.as_ref().unwrap();
     assert_eq!(
@@ -90,7 +90,7 @@ fn ran_with_every_bit_proven(summary: &Summary) -> &OnBoard {
     board
 }
 
-/// The board goes on without its rig watch, and so does the loop on the PC, whose watch is never late.
+/// The board continues without its rig watch, and so does the loop on the PC, whose watch is never late.
 #[test]
 fn tasks_that_answer_the_rig_watch_too_late_stop_no_test() {
     let t = test(&["watch.correct=['lateness']"]);
@@ -119,7 +119,7 @@ fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_p
     let on_plant = experiment
         .run(method, &ideal, 1, false, None::<experiment::trace::Trace>)
         .unwrap();
-    // 12 bits over 100 mm are 24 um, 0.12 % of the peak: no more than that may separate the two.
+    // A code of 12 bits over 100 mm is 24 um, 0.12 % of the peak: the two may differ by at most two codes.
     let apart = (run.summary.eps_rms - on_plant.summary.eps_rms).abs();
     println!(
         "eps_rms {} on the board, {} on the plant",
@@ -216,7 +216,7 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     assert_eq!(again.unwrap().summary.trip, Some("displacement"));
 }
 
-/// A trajectory is played to its end by an actuator, with nobody at the board.
+/// A chirp of 10 mm.
 pub fn chirp() -> CommissioningSignal {
     CommissioningSignal {
         actuator: 0,
@@ -229,6 +229,7 @@ pub fn chirp() -> CommissioningSignal {
     }
 }
 
+/// An actuator plays a trajectory to its end, with nobody at the board.
 pub fn play_to_an_end(
     connection: &mut Connection<Loopback>,
     t: &TestFile,
@@ -247,7 +248,7 @@ fn play(connection: &mut Connection<Loopback>, t: &TestFile, trajectory: &Trajec
 #[test]
 fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_anything_moves() {
     let t = test(&[]);
-    // Half a second of rest, a turn, half a second of rest, at a rate of its own.
+    // Half a second of rest, one cycle, half a second of rest, at its own sampling interval.
     let command_m: Vec<f64> = (0..=300)
         .map(|i| match i {
             50..250 => 0.004 * (1.0 - (std::f64::consts::TAU * f64::from(i - 50) / 200.0).cos()),
@@ -265,7 +266,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
     assert!((6000..6003).contains(&command.len()), "{}", command.len());
     for (i, wanted) in command_m.iter().enumerate() {
         let sent = command[20 * i];
-        // A record's command is a step or two behind what is sent: at 12.6 mm/s up to 13 um.
+        // A record's command lags what is sent by a step or two: at 12.6 mm/s up to 13 um.
         assert!((sent - wanted).abs() < 2e-5, "{i}: {sent} {wanted}");
     }
     for (limit, said) in [
@@ -308,7 +309,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
     );
     let peak = command.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     assert!((peak - 0.01).abs() < 1e-4, "{peak}");
-    // The delay of the rig: 4 ms are 8 samples, and one for the converter's step.
+    // The delay of the rig: 4 ms is 8 samples, plus up to one for the converter.
     let error = |shift: usize| -> f64 {
         (shift..command.len())
             .map(|i| (measured[i] - command[i - shift]).powi(2))
@@ -378,7 +379,7 @@ fn a_piston_that_stands_elsewhere_than_it_is_read_is_not_armed() {
         sentence.contains("said to stand at 14.5 mm") && sentence.contains("nothing has moved"),
         "{sentence}"
     );
-    // A script says it beforehand, or has a second transducer.
+    // A script states it beforehand, or has a second transducer.
     let by = |said: Option<&str>| {
         let said = said.map(|text| text.parse().unwrap());
         run_by(
@@ -407,8 +408,8 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     };
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // Steps of the board: nothing is armed before it is said where the piston stands, nothing begins before Enter, nothing goes on
-    // before Enter, nor while the button is pressed.
+    // Steps of the board: nothing is armed before the piston's position is given, nothing starts before Enter, and nothing
+    // resumes before Enter or while the button is pressed.
     board.incidents.extend([
         (700, types("")),
         (800, types("0.2")),
@@ -433,7 +434,7 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     assert!(board.steps_received > 15_700, "{}", board.steps_received);
 }
 
-/// The button means the same before a test as in it: nothing is to move.
+/// The button means the same before a test as during it: nothing is to move.
 #[test]
 fn the_button_ends_a_test_that_stands_armed_and_says_so() {
     let t = test(&[]);

@@ -30,7 +30,7 @@ const QUICK: Timeouts = Timeouts {
     silence: Duration::from_millis(200),
 };
 
-/// The example with three storeys, its strong part, to a peak that converters of 12 bits show well.
+/// The strong part of the example with three storeys, with a peak that converters of 12 bits resolve well.
 fn test(overrides: &[&str]) -> TestFile {
     let text = include_str!("../../../examples/three-storey.toml");
     let strong = ["excitation.duration_s=6", "excitation.peak_response_mm=40"];
@@ -42,7 +42,7 @@ fn test(overrides: &[&str]) -> TestFile {
     TestFile::parse(text, "three-storey.toml", Path::new(""), &overrides).unwrap()
 }
 
-/// Each actuator has sensors and a stroke of its own, one of them the other way round.
+/// Each actuator has its own ranges; some signs are reversed.
 fn wired() -> [Calibration; 3] {
     let [first, mut second, mut third] =
         [(0.1, 1e5), (0.2, 1.2e5), (0.15, 8e4)].map(|(m, n)| Calibration::over(m, n, &CODES));
@@ -52,7 +52,7 @@ fn wired() -> [Calibration; 3] {
     [first, second, third]
 }
 
-/// Each calibrated as it is wired.
+/// A connection with each actuator calibrated as it is wired.
 fn connect(loopback: Loopback<3>) -> Connection<Loopback<3>> {
     let mut connection = Connection::new(loopback, QUICK);
     for (actuator, calibration) in (0..).zip(wired()) {
@@ -137,7 +137,7 @@ fn a_step_that_is_lost_on_its_way_makes_no_error_at_any_floor() {
     let [whole, lossy] = [loopback(&t), lossy].map(|board| run(&t, board, 3).unwrap().summary);
     assert!(lossy.board.as_ref().unwrap().steps_lost > 0);
     assert_eq!(lossy.verdict, TestVerdict::Completed);
-    // Of what came before it.
+    // The error is that of the steps before it.
     let (eps, of_all) = (lossy.eps_rms, whole.eps_rms);
     assert!(eps > 0.0 && eps < 1.5 * of_all, "{eps} {of_all}");
     let floors = &lossy.eps_rms_by_floor;
@@ -146,7 +146,7 @@ fn a_step_that_is_lost_on_its_way_makes_no_error_at_any_floor() {
 
 #[test]
 fn permission_falls_when_every_actuator_stands() {
-    // Ends in mid-motion: at some of them an upper floor is much faster than the first, which then stands long before it.
+    // Ends in mid-motion: at some of them an upper floor is much faster than the first, which then stops long before it.
     for duration_s in [2.7, 2.9, 3.1, 3.3, 3.5, 3.7] {
         falls_when_all_stand(duration_s);
     }
@@ -154,7 +154,7 @@ fn permission_falls_when_every_actuator_stands() {
 
 fn falls_when_all_stand(duration_s: f64) {
     let duration = format!("excitation.duration_s={duration_s}");
-    // On a ramp so slow that a floor which stands at its beginning stands long before the others.
+    // The ramp is so slow that a floor at rest at its start stops long before the others.
     let t = test(&[
         &duration,
         "excitation.peak_response_mm=10",
@@ -163,7 +163,7 @@ fn falls_when_all_stand(duration_s: f64) {
         "limits.force_n=50000",
     ]);
     let mut board = loopback(&t);
-    // The codes of the last steps before it falls.
+    // The codes from the end of the test until PERMIT falls.
     let seen = Arc::new(Mutex::new(Vec::new()));
     for step in 0..20_000 {
         let seen = Arc::clone(&seen);
@@ -185,14 +185,14 @@ fn falls_when_all_stand(duration_s: f64) {
         "{duration_s} s: {} steps from the end to PERMIT low",
         seen.len()
     );
-    // The command is rounded up or down.
+    // The command may be rounded up or down.
     let stands = |code: &[u16; 3]| (0..3).all(|a| code[a].abs_diff(last[0][a]) <= 1);
     assert!(moved && last.iter().all(stands), "{last:?}");
 }
 
 #[test]
 fn each_actuators_channels_are_calibrated_before_anything_is_armed() {
-    // So small that the range of a board that nobody has calibrated shows it.
+    // Small enough for the range of an uncalibrated board.
     let t = test(&["excitation.peak_response_mm=5"]);
     let Err(Failure::Test(said)) = run(&t, loopback(&t), 2) else {
         panic!("armed");
@@ -252,7 +252,7 @@ fn a_test_with_fewer_storeys_in_the_laboratory_than_actuators_is_refused() {
     );
 }
 
-/// What the shear frame of the example answers with at floor `j` where floor `i` moves, N/m.
+/// Stiffness of the example's shear frame at floor `j` for a motion of floor `i`, N/m.
 fn declared(t: &TestFile, j: usize, i: usize) -> f64 {
     let k = |storey: usize| {
         let all = &t.config.structure.stiffness_n_per_m;
@@ -287,14 +287,14 @@ fn each_actuator_is_commissioned_alone_and_finds_its_column_of_the_stiffness() {
         }
         let found = diagnosis::identify(&played.recording().unwrap()).unwrap();
         println!("actuator {}: {found:?}", actuator + 1);
-        // 4 ms, and half a millisecond for the converter's step and the command's.
+        // 4 ms, plus up to half a millisecond for the steps of converter and command.
         assert!(
             (found.delay_ms + found.lag_ms - 4.25).abs() < 0.5,
             "{found:?}"
         );
         assert!((found.gain - 1.0).abs() < 0.01, "{found:?}");
     }
-    // The board is idle again each time, and all is as it was.
+    // The board is idle again, and all is as it was.
     let status = board::status(&mut connection).unwrap();
     assert_eq!((status.mode, status.permit), (Mode::Idle, false));
 }
@@ -320,9 +320,9 @@ fn wires_that_two_actuators_have_exchanged_are_named_before_anything_else_moves(
         (Wire::Force, [0, 2], 2, "that of actuator 1 with 0.79"),
     ] {
         let mut wrong = loopback(&t);
-        // The approach to zero is from where it is: nothing moves before the signal.
+        // The approach to zero starts at zero: nothing moves before the signal.
         wrong.board.hardware.broken.exchanged = Some((wire, exchanged));
-        // Converters of one range each, as laboratories buy them.
+        // All with the same ranges, as laboratories buy them.
         let same = Calibration::over(0.1, 1e5, &CODES);
         wrong.board.hardware.board.wired = [same; 3];
         let mut connection = Connection::new(wrong, QUICK);
@@ -335,7 +335,7 @@ fn wires_that_two_actuators_have_exchanged_are_named_before_anything_else_moves(
             "{wire:?} {exchanged:?}: {suspicion}"
         );
         assert!(suspicion.contains("look exchanged"), "{suspicion}");
-        // An actuator that goes where nobody has sent it is stopped; a load cell moves nothing.
+        // An actuator that moves without a command is stopped; a load cell moves nothing.
         let trips = wire != Wire::Force;
         assert_eq!(played.early.is_some(), trips, "{wire:?}");
         if trips {
@@ -393,7 +393,7 @@ fn a_wire_that_breaks_at_another_actuator_stops_the_one_that_moves_and_is_named(
         );
         assert!(played.steps > 1000 && played.suspicion.is_none());
         assert!(!board::status(&mut connection).unwrap().permit);
-        // A person has to look before anything goes on.
+        // A person must clear it before anything continues.
         let Err(Failure::Test(said)) = commission(&t, &mut connection, 1) else {
             panic!("it went on");
         };
@@ -453,7 +453,7 @@ fn a_dead_output_of_any_actuator_is_told_from_a_valve_that_does_not_follow() {
     }
 }
 
-/// A frame of three storeys that stands in the laboratory whole, each actuator 2 ms late.
+/// A frame of three storeys, all in the laboratory, with actuators that are 2 ms late.
 fn served(pace: &str) -> TestFile {
     test(&[
         &format!("serve.pace={pace}"),
@@ -487,7 +487,7 @@ fn targets_for_three_actuators_are_gone_to_and_answered_with_three_forces() {
             let target_m = [swing(0.004, 0.11), swing(0.007, 0.13), swing(0.01, 0.1)];
             let reached = rig.go_to(&target_m).unwrap();
             assert_eq!(reached.force_n.len(), 3);
-            // Continuously, an answer is to where the rig was when the target before it was passed.
+            // In continuous mode an answer is for the position of the target before.
             let at_m = if pace == "continuous" { last } else { target_m };
             last = target_m;
             for (j, n) in reached.force_n.iter().enumerate().filter(|_| i > 2) {
@@ -500,7 +500,7 @@ fn targets_for_three_actuators_are_gone_to_and_answered_with_three_forces() {
         println!("{pace}: forces within {worst_n:.0} N of the model's; {account:?}");
         assert_eq!((account.steps_lost, account.steps_different), (0, 0));
         assert!(!rig.permit());
-        // Codes of 24, 49 and 37 um at 1.6 kN/mm; continuously also what 2 ms of delay leave and the damping that meets it.
+        // Codes of 24, 49 and 37 um at 1.6 kN/mm; in continuous mode also the 2 ms of delay and the damping that compensates it.
         let room_n = if pace == "stop_and_go" { 150.0 } else { 2500.0 };
         assert!(worst_n < room_n, "{pace}: {worst_n}");
     }

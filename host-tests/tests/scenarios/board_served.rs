@@ -1,4 +1,4 @@
-//! A model outside whose element is a rig behind the firmware's own station: the PC's side, over frames of bytes.
+//! An external model whose element is a rig behind the firmware's own station: the PC's side, over frames.
 
 use experiment::files::test::TestFile;
 use experiment::trace::Trace;
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 const STIFFNESS: f64 = 158e3;
-/// Numbers of a message.
+/// Numbers in a message.
 const LENGTH: usize = 16;
 pub const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(200),
@@ -24,7 +24,7 @@ pub const QUICK: Timeouts = Timeouts {
     silence: Duration::from_millis(200),
 };
 
-/// A rig 2 ms late. The loopback's time runs with the PC's and not with the wall's: a model is never too late for it.
+/// A rig 2 ms late. The loopback's time runs only while the PC reads, so a model is never too late for it.
 fn test(pace: &str) -> TestFile {
     test_with(pace, &[])
 }
@@ -47,7 +47,7 @@ fn loopback(test: &TestFile) -> Loopback {
     Loopback::new(Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap())
 }
 
-/// A board that has been calibrated as it is wired, with what goes wrong in it.
+/// A board calibrated as it is wired, prepared by `prepare`.
 fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover> {
     let mut loopback = loopback(test);
     prepare(&mut loopback);
@@ -58,7 +58,7 @@ fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover
     serve_on_board(test, connection, Operator::not_asked(), false, true, None).unwrap()
 }
 
-/// A client that asks for the forces at each place, a step of 10 ms apart; what it was answered.
+/// A client that asks for the forces at each position, in steps of 10 ms; returns the answers.
 fn client<const N: usize>(address: std::net::SocketAddr, path: Vec<[f64; N]>) -> Vec<[f64; N]> {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_nodelay(true).unwrap();
@@ -127,7 +127,7 @@ pub fn session_of<const N: usize>(
     (outside.join().unwrap(), summary, trace)
 }
 
-/// A swing of 10 mm.
+/// A sine of 10 mm.
 fn swing(steps: usize) -> Vec<f64> {
     (0..steps).map(|i| 0.01 * (0.11 * i as f64).sin()).collect()
 }
@@ -146,7 +146,7 @@ fn a_board_serves_one_client_after_another_and_every_step_is_proven() {
             let board = summary.board.as_ref().unwrap();
             assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{why}");
             assert_eq!(trace.len(), summary.steps);
-            // A code is 24 um; continuously, the actuator is 2 ms behind, and its damping is in the answer.
+            // A code is 24 um; in continuous mode the actuator is 2 ms behind, and the damping is in the answer.
             let room_n = if pace == "stop_and_go" { 12.0 } else { 120.0 };
             let first = usize::from(pace == "continuous");
             for (f, u) in forces.iter().zip(&path).skip(first) {
@@ -179,7 +179,7 @@ fn a_board_that_starts_again_under_a_client_is_told_at_once() {
     let (again, waits) = (t.clone(), Arc::new(AtomicBool::new(false)));
     let waited = Arc::clone(&waits);
     let mut rig = served(&t, |board| {
-        // On for 10 s before: its steps are as small again 10 s after.
+        // The board has run for 10 s; after a restart its step numbers need 10 s to reach this again.
         for _ in 0..1000 {
             board.read(&mut [0; 4096]).unwrap();
         }
@@ -206,7 +206,7 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
         ("stop_and_go", SessionVerdict::Completed),
         ("continuous", SessionVerdict::RigLost),
     ] {
-        // A specimen that is not what is declared: its force is measured or not.
+        // The specimen is not as declared, so that a force which was not measured would show.
         let yields = [
             "plant.specimen.kind='bilinear'",
             "plant.specimen.yield_mm=4",
@@ -262,7 +262,7 @@ fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client()
     let (forces, summary, _) = session(&tight, rig.as_mut(), &[0.004, 0.01]);
     assert_eq!(summary.trip, Some("force"), "{}", summary.sentences());
     assert!(forces[1].is_nan() && !summary.permit);
-    // It stands where it tripped, beyond its limit: the next client is refused for that, and nothing moves.
+    // It stays where it tripped, beyond its limit: the next client is refused for that, and nothing moves.
     let (_, summary, _) = session(&tight, rig.as_mut(), &[0.002, 0.004]);
     assert_eq!(
         (summary.verdict, summary.permit),

@@ -1,5 +1,5 @@
-//! The comparison of an independent f64 study, and the same tests here: eps_rms of Table 1's structure with a bilinear
-//! specimen (30 mm, 5 %) behind a second-order actuator, the worse of Kobe and Tabas, 40 s, by delay.
+//! Comparison with an independent f64 study: eps_rms of Table 1's structure with a bilinear specimen (30 mm, 5 %) and a
+//! second-order actuator, the worse of Kobe and Tabas, 40 s, by delay.
 
 use host_tests::{Scenario, data, eps, table1};
 use outerloop_core::config::Compensation;
@@ -7,15 +7,15 @@ use outerloop_core::{Method, Prediction};
 
 const DELAYS_MS: [f64; 5] = [4.0, 8.0, 16.0, 33.5, 60.0];
 
-/// A line of the study, and what it is here.
+/// A line of the study, and its equivalent here.
 struct Line {
     name: &'static str,
     study: [f64; 5],
-    /// Share of the actuator's delay that is declared.
+    /// Declared fraction of the actuator's delay.
     told: f64,
     set: fn(&mut Compensation),
-    /// How far ours may be from the study's, as a fraction and as an error, and up to which delay: where both are the
-    /// same method. None: ours may only be better.
+    /// If both are the same method: how far our error may be from the study's, as a fraction and as an absolute error, and up to
+    /// which delay, ms. `None`: ours may only be better, except for `paper`, which is not compared.
     same: Option<(f64, f64, f64)>,
     why: &'static str,
 }
@@ -102,7 +102,7 @@ fn lines() -> [Line; 9] {
     ]
 }
 
-/// A second-order lag of the held command is half a control period shorter than its name.
+/// A second-order lag of the held command is half a control period shorter than its nominal delay, ms.
 const HELD_MS: f64 = 0.25;
 
 fn scenario(delay_ms: f64, told: f64, set: fn(&mut Compensation)) -> Scenario {
@@ -156,9 +156,9 @@ fn the_study_is_reproduced_where_the_method_is_the_same() {
     assert_eq!(off, Vec::<String>::new());
 }
 
-/// What sets `paper` apart from the study's line: the sech gain sees the displacement from where the test began. About the
-/// offset that a yielded specimen vibrates about in the end, it takes standing still for a turning point and the damping
-/// away; the smaller its exponent, the less.
+/// What distinguishes `paper` from the study's line: the sech gain uses the displacement from the start of the test. When a
+/// yielded specimen vibrates about an offset, the gain treats that offset as motion and removes the damping; the smaller its
+/// exponent, the less.
 #[test]
 fn the_sech_gain_is_what_sets_eq_20_apart_on_a_specimen_that_yields() {
     let rms = |gamma: Option<f64>| {

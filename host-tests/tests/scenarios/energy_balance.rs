@@ -1,4 +1,4 @@
-//! Eq 15: the work of every term of the equation of motion, added up from the records, closes.
+//! Eq 15: the works of all terms of the equation of motion, summed from the records, balance.
 
 use host_tests::{Scenario, Shaking, table1};
 

@@ -1,5 +1,5 @@
-//! The multi-axial benchmark where the problem's tables are not at hand: its actuators, its loop and its criteria on a frame and
-//! a ground motion that are drawn here.
+//! The multi-axial benchmark without the problem's tables: its actuators, its loop and its criteria on a frame and a ground
+//! motion made up here.
 
 use benchmarks::marths::bench::{MarthsRow, Problem, rows};
 use benchmarks::marths::contestants::PairContestant::{
@@ -16,7 +16,7 @@ fn problem() -> Problem {
     Problem::parse(&stiffness, &mass, &start).expect("a frame of the problem's size")
 }
 
-/// A row for each controller, under half a minute of the drawn motion, as strong as El Centro is.
+/// A row for each controller, under half a minute of the generated motion, as strong as El Centro.
 fn judged<const N: usize>(
     problem: &Problem,
     controllers: [PairContestant; N],
@@ -38,7 +38,7 @@ fn judged<const N: usize>(
 /// A criterion of x and rotation, or of both actuators.
 type Criterion = (&'static str, fn(&Criteria) -> Both);
 
-/// Each of `criteria` is below `most` with the compensation, and ten times that without any.
+/// Each of `criteria` is below `most` with the compensation, and above ten times that without.
 fn told_apart(criteria: &[(Criterion, Both)], [good, none]: [&MarthsRow; 2]) {
     for ((name, of), most) in criteria {
         let (found, without) = (of(&good.j), of(&none.j));
@@ -80,7 +80,7 @@ fn the_pair_is_tracked_to_its_noise_and_without_compensation_it_is_far_off() {
     }
 }
 
-/// With what really stands in the laboratory taken off, a loop without error is the whole structure.
+/// If what is really in the laboratory is subtracted, a loop without error is the whole structure.
 #[test]
 fn with_the_right_part_declared_the_structure_moves_as_its_reference_does() {
     let part = PhysicalMatrices::of_two(&InterfaceFrame::published().in_structure());
@@ -97,7 +97,7 @@ fn with_the_right_part_declared_the_structure_moves_as_its_reference_does() {
 #[test]
 fn on_drawn_plants_the_estimation_is_what_tracks() {
     let [fixed, raw, coupled] = judged(&problem(), [CoupledFixed, CoupledRaw, Coupled], 8);
-    // The plant that it has is the nominal one.
+    // In this row the plant is the nominal one.
     assert!(fixed.j.j2_true[0] < 0.4 && fixed.j.j2_true[1] < 0.25);
     for row in [&fixed, &raw, &coupled] {
         assert_eq!(

@@ -1,15 +1,15 @@
-//! What each compensation is good for, on its own ground; the better one has its targets in `tangent_force.rs`.
+//! What each compensation is good for, in the case it is made for; the tangent force has its targets in `tangent_force.rs`.
 
 use host_tests::{Scenario, Shaking, data, eps, table1};
 use outerloop_cli::board::desk::{MODEL_CYCLES, methods};
 use outerloop_core::Method;
 use outerloop_core::Prediction;
 
-/// A lag acts on the held command from the beginning of a control period, while the command is counted from its end: on
-/// a motion that goes on it is half a period shorter than its name, at 2 kHz, ms. A delay of whole periods is not.
+/// A lag acts on the held command from the beginning of a control period, while the command is counted from its end: on a
+/// continuous motion it is shorter than its nominal value by half a period, at 2 kHz, ms. A delay of whole periods is not.
 const HALF_PERIOD_MS: f64 = 0.25;
 
-/// An elastic or yielding Table 1 behind an actuator of `kind`.
+/// An elastic or yielding Table 1 with an actuator of `kind`.
 fn behind(kind: &str, delay_ms: f64, yields: bool) -> Scenario {
     let mut s = Scenario::delayed(table1(), delay_ms);
     s.actuator = format!("kind = '{kind}'\ndelay_ms = {delay_ms:?}");
@@ -30,7 +30,7 @@ fn worst(s: &Scenario) -> f64 {
     data::motions().into_iter().map(rms).fold(0.0, f64::max)
 }
 
-/// The error with `method`, which must be below `bound`, and `parts` times below that of no compensation.
+/// The error with `method` must be below `bound`, and smaller than that without compensation by a factor of `parts`.
 #[track_caller]
 fn removes(s: &Scenario, method: Method, bound: f64, parts: f64) {
     let (with, without) = (worst(&s.with(method)), worst(&s.with(Method::None)));
@@ -143,14 +143,14 @@ fn the_time_series_learns_actuators_of_any_order_up_to_two() {
     for kind in ["delay", "first_order", "second_order"] {
         removes(&told(behind(kind, 8.0, true), 0.5), Method::Ats, 2e-3, 50.0);
     }
-    // The measured rig: neither of them.
+    // The measured rig is none of these.
     let mut rig = behind("lag_delay", 4.6, true);
     rig.actuator += "\nlag_ms = 22.2";
     rig.config.compensation.delay_ms = 26.8.into();
     removes(&rig, Method::Ats, 2e-3, 100.0);
 }
 
-/// A third of the delay is not known to the predictor: the damping takes most of what it leaves.
+/// The predictor does not know a third of the delay: the damping removes most of what it leaves.
 #[test]
 fn variable_damping_behind_a_predictor_takes_out_what_that_leaves() {
     let wrong = told(behind("delay", 8.0, true), 2.0 / 3.0);

@@ -1,4 +1,4 @@
-//! Noise, converters, and the structure that locks itself.
+//! Noise, converters, and a structure that locks.
 
 use host_tests::{Scenario, data, eps, table1};
 use outerloop_core::{
@@ -10,7 +10,7 @@ use outerloop_core::{
 /// The steel frame of the experiment: the declared stiffness is `share` of the real one.
 fn steel_frame(share: f64, tolerance: f64) -> Scenario {
     let real = 358.5e3;
-    // What is not known is the stiffness, not the damper: c = 2 zeta sqrt(k m) stays.
+    // The stiffness is uncertain, not the damper: c = 2 zeta sqrt(k m) is kept.
     let mut config = Config::shear_frame([1158.0], [real * share], [0.02 / share.sqrt()]);
     config.timing.time_scale = 10.0;
     config.timing.approach_m_per_s = 0.05;
@@ -90,7 +90,7 @@ fn a_converter_of_16_bits_costs_nothing_and_one_of_12_up_to_half_of_the_error() 
         let without = rms(&s);
         for bits in [12, 16] {
             s.sensors = format!("bits = {bits}");
-            // Without noise a transducer stands still within a code: some of them are no sign that it is dead.
+            // Without noise a reading is constant within a code: a few codes without a change do not mean that it is dead.
             s.config.limits.frozen_m = Some((4.0 * RANGE_M / f64::from(1 << bits)).max(1e-4));
             let with = rms(&s);
             println!("{name}, {bits} bits: eps_rms {with:.5}, {without:.5} without converters");
@@ -100,8 +100,8 @@ fn a_converter_of_16_bits_costs_nothing_and_one_of_12_up_to_half_of_the_error() 
     }
 }
 
-/// The audit: with the paper's noise and no filter, Eq 14 as published locks the structure. Everything stays finite and
-/// looks stable; eps_max is 1.
+/// From the audit: with the paper's noise and no filter, Eq 14 as published locks the structure. Everything stays finite and
+/// looks stable, but eps_max is 1.
 #[test]
 fn a_locked_structure_is_flagged() {
     let mut s = steel_frame(1.0, 0.1);

@@ -1,4 +1,4 @@
-//! A program and a board of different builds: refused in one sentence, whichever is older, and nothing is carried out.
+//! A program and a board of different builds: refused in one sentence, whichever is older, and nothing is executed.
 
 use crate::board_link::{QUICK, loopback, run_over, test};
 use experiment::failure::Failure;
@@ -11,7 +11,7 @@ use outerloop_cli::board::{self, Connection, Port};
 use outerloop_core::{Event, Mode};
 use std::io;
 
-/// A board that answers whatever it is asked with the same.
+/// A board that gives the same answer to everything.
 struct OneAnswer {
     decoder: Decoder,
     reply: Reply,
@@ -141,6 +141,6 @@ fn a_board_carries_out_nothing_that_a_program_of_another_link_sends() {
     let mut connection = Connection::new(board, QUICK);
     let status = board::status(&mut connection).unwrap();
     assert_eq!(status.link.other_version, 2);
-    // It listens to its own still.
+    // It still accepts its own version.
     assert!(status.link.good > 0);
 }

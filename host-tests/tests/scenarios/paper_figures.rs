@@ -46,7 +46,7 @@ fn uncompensated_the_structure_runs_away() {
     within(rms, 0.625, 0.05);
 }
 
-/// The tail of Kobe hardly shakes: from 30 s on the envelope grows as `exp((omega^2 tau / 2 - zeta omega) t)`.
+/// After the shaking the envelope grows as `exp((omega^2 tau / 2 - zeta omega) t)`.
 #[test]
 fn the_growth_of_the_uncompensated_test_is_the_published_one() {
     for (_, shaking) in data::motions() {
@@ -105,9 +105,8 @@ fn eq_14_with_eqs_12_and_16_reaches_the_published_errors() {
     }
 }
 
-/// Eq 20 with the hold on a change of sign alone, over 40 s of both records (Tabas ends after 33 s; the rest is free
-/// vibration): that is how the audit's row was found to be meant. The default, which holds below 5 % of the peak too,
-/// must not be worse than it.
+/// Eq 20 with the hold only on a change of sign, over 40 s of both records (Tabas ends after 33 s; the rest is free vibration),
+/// which is evidently what the audit's row means. The default, which also holds below 5 % of the peak, must not be worse.
 #[test]
 fn eq_20_with_the_sech_gain_reaches_the_published_errors() {
     let Some([(_, kobe), (_, tabas)]) = data::kobe_and_tabas() else {
@@ -123,7 +122,7 @@ fn eq_20_with_the_sech_gain_reaches_the_published_errors() {
     assert!(errors(&guarded, &kobe, WHOLE_S).1 <= 0.0048);
 }
 
-/// Where nobody's records are at hand: bounds of the published figures' order.
+/// Without third-party records: bounds of the order of the published figures.
 #[test]
 fn a_drawn_motion_has_figures_of_the_published_order() {
     let (drawn, s) = (data::drawn(), Scenario::delayed(table1(), 4.0));
@@ -137,7 +136,7 @@ fn a_drawn_motion_has_figures_of_the_published_order() {
     );
 }
 
-/// A delay tau asks for `C = K tau`, a damping ratio of `omega tau / 2` = .0251: Eq 14 adds just that in the mean.
+/// A delay tau requires `C = K tau`, a damping ratio of `omega tau / 2` = 0.0251: Eq 14 adds this on average.
 #[test]
 fn the_mean_added_damping_is_that_of_the_delay() {
     for (_, shaking) in data::motions() {
@@ -154,8 +153,8 @@ fn the_mean_added_damping_is_that_of_the_delay() {
     }
 }
 
-/// Driving Eq 14 with Eq 6 needs a stiffness that no test knows; the monitor of Eq 6 must still agree with the other
-/// two, which is what the audit's exact row rests on.
+/// Driving Eq 14 with Eq 6 needs a stiffness that is unknown in a test; the monitor of Eq 6 must still agree with the other
+/// two, on which the audit's exact row relies.
 #[test]
 fn the_three_cumulative_energies_agree_on_a_linear_specimen() {
     for (name, shaking) in &data::motions() {

@@ -1,4 +1,4 @@
-//! The proof table: nothing that the firmware promises is without a test, and the page says so.
+//! The proof table: everything that the firmware promises has a test, and the page shows it.
 
 use host_tests::proof::mutants::{misfits_of_images, without_mends};
 use host_tests::proof::page::Proofs;

@@ -8,7 +8,7 @@ fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Lines that a recipe adds, by file, and whether the file is new; nothing is taken away.
+/// Number of lines that a recipe adds, by file, and whether the file is new; nothing is removed.
 fn added(recipe: &str) -> Vec<(String, usize, bool)> {
     let patch = std::fs::read_to_string(top().join("docs/recipes").join(recipe)).unwrap();
     let mut files: Vec<(String, usize, bool)> = Vec::new();
@@ -35,7 +35,7 @@ fn recipes_apply_to_this_tree() {
     for recipe in std::fs::read_dir(top().join("docs/recipes")).unwrap() {
         let recipe = recipe.unwrap().path();
         if recipe.is_dir() {
-            continue; // A crate of its own: nothing is patched.
+            continue; // A separate crate: nothing is patched.
         }
         let applied = Command::new("git")
             .args(["apply", "--check"])

@@ -1,4 +1,4 @@
-//! A release has one version, wherever it is said.
+//! A release has the same version everywhere.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The benchmark problem of real-time hybrid simulation by its own rules: published controllers give published figures.
+//! The benchmark problem of real-time hybrid simulation by its own rules: published controllers reproduce published figures.
 
 use benchmarks::rths::channels::Noise;
 use benchmarks::rths::published::{PORT, TABLE_3, WORST_DRAWN};
@@ -22,7 +22,7 @@ fn ground(name: &str, shaking: &Shaking) -> GroundRecord {
     )
 }
 
-/// The rows of some controllers, nominal plant.
+/// Rows of these controllers on the nominal plant.
 fn rows(record: GroundRecord, names: &[&str], seed: u64) -> Vec<RthsRow> {
     let contestants: Vec<_> = names
         .iter()
@@ -90,7 +90,7 @@ fn others_are_within_three_tenths_of_an_independent_port() {
     }
 }
 
-/// Where the problem's records are not at hand.
+/// A record for use without the problem's own.
 fn drawn() -> GroundRecord {
     let mut drawn = data::drawn();
     // El Centro is the weaker motion, and the problem's actuator has a stroke.
@@ -120,7 +120,7 @@ fn on_a_drawn_record_too_core_has_the_structure_right_and_the_published_controll
         let structure = |row: &RthsRow| [row.j4_true, row.j[5], row.j[6]];
         let (ours, published) = (structure(ours), structure(published));
         println!("{ours:.3?}, published controller {published:.1?}");
-        // J6 and J7 have the noise of the reading in them.
+        // J6 and J7 include the noise of the reading.
         for ((ours, published), most) in ours.into_iter().zip(published).zip([0.1, 1.3, 1.3]) {
             assert!(ours < most && published > 20.0 * most);
         }
@@ -149,8 +149,8 @@ fn the_noise_alone_is_as_large_as_it_is_said_to_be() {
     }
 }
 
-/// The port's draws are not known. Drawn evenly from three standard deviations to either side, plants give its figures;
-/// `cargo run --release -p benchmarks --example worst_plants` prints other controllers and the normal draw beside them.
+/// The port's draws are not known. Plants drawn uniformly within three standard deviations give its figures;
+/// `cargo run --release -p benchmarks --example worst_plants` also prints other controllers and the normal draw.
 #[test]
 fn evenly_drawn_plants_have_the_worst_figures_of_an_independent_port() {
     const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;

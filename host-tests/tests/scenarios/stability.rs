@@ -1,4 +1,4 @@
-//! What `outerloop check` says against what a test does: the growth of small motions over some periods against that of a long run.
+//! `outerloop check` against actual tests: the growth of small motions over some periods against that of a long run.
 
 use experiment::stability::growth::{Question, SmallMotions};
 use experiment::stability::small_motion::Learning;
@@ -35,10 +35,10 @@ fn small_motions(s: &Scenario, learning: Learning) -> SmallMotions {
         .expect("a possible loop")
 }
 
-/// The free vibration after a blow.
+/// The free vibration after an impulse.
 fn vibration<const N: usize>(s: &Scenario, seconds: f64) -> Trace<N> {
     let blow = Shaking {
-        // Small: a servo whose valve is at its end grows no further.
+        // Small, since a servo with a saturated valve grows no further.
         acc_m_per_s2: vec![0.0, 1e-8, 0.0],
         interval_s: 0.05,
     }
@@ -46,7 +46,7 @@ fn vibration<const N: usize>(s: &Scenario, seconds: f64) -> Trace<N> {
     s.run::<N>(&blow, seconds, 1)
 }
 
-/// 1/s at which the free vibration after a blow grows, from the rms of two stretches of it.
+/// Growth rate of the free vibration after an impulse, 1/s, from the rms of two stretches of it.
 fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
     let trace = vibration::<N>(s, seconds);
     let solved: Vec<f64> = trace
@@ -63,10 +63,10 @@ fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
     (rms(0.8, 1.0) / rms(0.5, 0.7)).ln() / (0.3 * seconds)
 }
 
-/// Both must agree to 2 % of the growth, and to what the rms of some cycles resolves.
+/// Both must agree to 2 % of the growth plus the resolution of the rms of some cycles.
 fn agree<const N: usize>(s: &Scenario) {
     let said = small_motions(s, Learning::Off);
-    // Until the dominant mode is alone, but not until it has left the range of f32.
+    // Until the dominant mode is alone, but not beyond the range of f32.
     let seconds = (15.0 / said.growth_per_s.abs()).clamp(12.0, 120.0);
     let seen = growth::<N>(s, seconds);
     println!(
@@ -125,7 +125,7 @@ fn filters_substeps_time_scales_sensors_and_masses_are_in_small_motions() {
     let mut skewed = base();
     skewed.sensors = "skew_ms = 1.5\nforce_gain = 1.1".into();
     agree::<1>(&skewed);
-    // What the loop takes out is not in its growth; what an effect is, is.
+    // What the loop corrects does not affect the growth; effects do.
     let mut known = sdof(0.03, "kind = 'delay'\ndelay_ms = 4.0\ngain = 1.2");
     known.sensors = "skew_ms = 1.5\ndisplacement_gain = 1.1\nforce_gain = 0.8".into();
     let only = |x: f64| [x].into_iter().collect();
@@ -173,7 +173,7 @@ fn several_storeys_grow_as_their_worst_mode_does() {
 
 #[test]
 fn variable_damping_decays_where_its_clamp_is_wide_enough() {
-    // The clamp is built on 4 ms: well inside and well outside of what it can take out.
+    // The clamp is for 4 ms: delays well inside and well outside of what it can compensate.
     for (delay_ms, stable) in [
         (2.0, true),
         (4.0, true),
@@ -201,7 +201,7 @@ fn variable_damping_decays_where_its_clamp_is_wide_enough() {
     }
 }
 
-/// Every predictor with its declared parameters, below the floor of what may be learnt.
+/// Every predictor with its declared parameters, below the floor of adaptation.
 #[test]
 fn every_predictor_grows_as_in_a_long_run() {
     let predictors = [
@@ -238,7 +238,7 @@ fn predictors_of_several_storeys_grow_as_their_worst_mode_does() {
         Method::FeedforwardFeedback,
         Method::Afp,
     ] {
-        // Each actuator has its own, and is told a little less.
+        // Each actuator has its own delay, and a little less is declared.
         let config = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]);
         let mut differing = Scenario::delayed(config.clone(), 0.0).with(method);
         differing.actuator = "kind = 'delay'\ndelay_ms = [1.0, 2.0, 3.0]".into();
@@ -254,7 +254,7 @@ fn predictors_of_several_storeys_grow_as_their_worst_mode_does() {
     }
 }
 
-/// Control steps between targets, a filter and a slow test, with a predictor in front.
+/// Control steps between targets, a filter and a slow test, with a predictor.
 #[test]
 fn predictors_work_between_targets_behind_filters_and_in_slow_tests() {
     let base = |method| {
@@ -283,14 +283,15 @@ fn predictors_work_between_targets_behind_filters_and_in_slow_tests() {
     }
 }
 
-/// A floor that any motion is above, so that the free vibration of a blow is learnt from, at a pace of `time_s`.
+/// A floor that any motion exceeds, so that predictors adapt to the free vibration after an impulse, with a time of `time_s`.
 fn learning(mut s: Scenario, time_s: f64) -> Scenario {
     s.config.compensation.adaptation.floor_m = 1e-15;
     s.config.compensation.adaptation.time_s = time_s;
     s
 }
 
-/// Predictors that learn, declared wrong, and forces at the target: small motions do in some periods what they do in the end.
+/// Adaptive predictors with wrong declarations, and forces at the target: small motions show in some periods what they
+/// converge to.
 fn what_they_come_to_decides(time_s: f64) {
     let methods = [
         Method::Darby,
@@ -313,7 +314,7 @@ fn what_they_come_to_decides(time_s: f64) {
                     method.name(),
                     said.growth_per_s,
                 );
-                // At its bounds an adaptive time series goes from one to another, and no two stretches are alike.
+                // At its bounds an adaptive time series switches between them, and no two stretches are alike.
                 if method == Method::Ats && gain != 1.0 && delay_ms > 30.0 {
                     continue;
                 }
@@ -321,7 +322,7 @@ fn what_they_come_to_decides(time_s: f64) {
                     let tolerance = 0.01 + 0.1 * seen.abs();
                     assert!((said.growth_per_s - seen).abs() < tolerance);
                 }
-                // Nearer to a growth of 0 than a fiftieth a second it has no sign.
+                // The sign is not compared for a growth below 0.02 1/s.
                 if seen.abs() > 0.02 {
                     assert_eq!(said.stable, seen < 0.0);
                     *if said.stable {
@@ -346,8 +347,8 @@ fn what_a_learning_predictor_comes_to_decides_at_a_slower_pace() {
     what_they_come_to_decides(0.2);
 }
 
-/// A feedback of more than the error makes the command jump from sample to sample behind a transport delay, at a
-/// size that the gains' bounds keep: the structure's own motion may even decay, so its growth does not show it.
+/// Feedback of more than the error makes the command jump from sample to sample with a transport delay, bounded by the gains'
+/// limits: the structure's own motion may even decay, so its growth does not show it.
 #[test]
 fn the_command_of_minimal_control_synthesis_is_as_smooth_as_the_target_at_every_pace() {
     for (kind, gain) in [("delay", 1.0), ("delay", 1.2), ("second_order", 1.2)] {

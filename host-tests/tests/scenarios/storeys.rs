@@ -1,4 +1,4 @@
-//! Several degrees of freedom: three storeys in the laboratory, and one with the rest computed.
+//! Several degrees of freedom: three storeys in the laboratory, or one or two with the rest computed.
 
 use host_tests::{Scenario, data, eps};
 use outerloop_core::Config;
@@ -11,7 +11,7 @@ fn three_storeys() -> Scenario {
     let k = 1000.0
         * (std::f64::consts::TAU / 0.5 / (2.0 * (std::f64::consts::PI / 14.0).sin())).powi(2);
     let mut s = Scenario::delayed(Config::shear_frame([1000.0; 3], [k; 3], [0.02; 3]), 4.0);
-    // As examples/three-storey.toml says: the sech gain knows the first mode only.
+    // As in examples/three-storey.toml: the sech gain knows only the first mode.
     (s.config.compensation.gamma, s.config.compensation.clamp) = (0.02, 4.0);
     s
 }
@@ -19,7 +19,7 @@ fn three_storeys() -> Scenario {
 #[test]
 fn three_storeys_with_an_actuator_each() {
     for (name, shaking) in &data::motions() {
-        // The whole record, as in the audit: 40 s of Kobe, 33 s of Tabas.
+        // The whole record, as in the audit: 40 s of Kobe; Tabas ends after 33 s.
         let s = three_storeys();
         let ideal = s.ideal::<3>(shaking, 40.0);
         let none = eps(&s.with(Method::None).run::<3>(shaking, 20.0, 1), &ideal, 2).1;
@@ -36,7 +36,7 @@ fn three_storeys_with_an_actuator_each() {
     }
 }
 
-/// Actuators of 4, 6 and 9 ms: whoever is told each of them is better off than with one number for all, whichever that is.
+/// Actuators of 4, 6 and 9 ms: declaring each delay is better than any one number for all.
 #[test]
 fn actuators_that_differ_are_told_apart() {
     for (_, shaking) in data::motions() {
@@ -73,7 +73,7 @@ fn actuators_that_differ_are_told_apart() {
             );
             assert!(one.iter().all(|&one| own < 0.5 * one), "{}", method.name());
         }
-        // The filter's model of each actuator: with one for all the innovation says that it does not fit.
+        // The filter's model of each actuator: with one for all, the innovation shows that it does not fit.
         let mut filtered = s.with(Method::Lagrange);
         filtered.config.compensation.delay_ms = each();
         filtered.config.estimation.kind = Filter::Kalman;
@@ -122,7 +122,7 @@ fn a_hybrid_test_is_compensated() {
     }
 }
 
-/// The time scale changes the laboratory's clock and nothing of the model.
+/// The time scale changes only the laboratory's clock, not the model.
 #[test]
 fn ten_times_slower_is_the_same_test_with_a_tenth_of_the_delay() {
     let table1 = || Config::shear_frame([1000.0], [158e3], [0.02]);
@@ -138,12 +138,12 @@ fn ten_times_slower_is_the_same_test_with_a_tenth_of_the_delay() {
         println!(
             "{name}: eps_rms {slow:.5} of 40 ms at time scale 10, {real_time:.5} of 4 ms in real time"
         );
-        // The finer step moves it a little.
+        // The finer step changes it a little.
         assert!((slow / real_time - 1.0).abs() < 0.1);
     }
 }
 
-/// An integration step of five control steps reaches the same structure.
+/// An integration step of five control steps gives the same motion.
 #[test]
 fn substeps_reach_the_same_displacements() {
     for (_, shaking) in data::motions() {
@@ -156,7 +156,7 @@ fn substeps_reach_the_same_displacements() {
     }
 }
 
-/// The mass on the load cell reports its own inertia; with the correction that costs nothing.
+/// The load cell also measures the inertia of the mass on it; the correction removes most of that error.
 #[test]
 fn the_physical_mass_is_corrected() {
     for (_, shaking) in data::motions() {

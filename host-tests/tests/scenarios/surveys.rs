@@ -1,5 +1,5 @@
-//! The verdicts of `check` and the interlocks over some of the drawn tests that the command `check-surveys` draws many of; the bench
-//! of `compensation-bench`.
+//! The surveys of `check-surveys` (verdicts of `check`, interlocks, rig watch) with a few drawn tests each; the bench of
+//! `compensation-bench`.
 
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
@@ -32,7 +32,7 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
     assert!(ran_away.iter().sum::<usize>() > 3);
 }
 
-/// Actuators that are not quite the declared ones, under every compensation: what the check says of what is known of them.
+/// Actuators that differ slightly from the declared ones, with every compensation: counts of the check's verdicts.
 fn coupled_verdicts(rigs: usize, known: Known) -> [VerdictCounts; 3] {
     let cases =
         verdicts::run(&coupled::draw(rigs, 1), known, || ()).expect("tests that can be judged");
@@ -59,7 +59,7 @@ fn verdicts_over_drawn_coupled_rigs_are_never_a_false_yes() {
     assert!(wrong.count > 5 && ran_away.count > 5);
 }
 
-/// Where nobody says what the rig's actuators are, those count that are drawn around the declared ones.
+/// If the rig's actuators are not known, plants drawn around the declared ones decide.
 #[test]
 fn verdicts_over_coupled_actuators_as_declared_are_never_a_false_yes() {
     let [sound, wrong, ran_away] = coupled_verdicts(40, Known::AsDeclared);
@@ -100,12 +100,12 @@ fn the_bench_of_compensations_ranks_its_contestants() {
     assert_eq!(standings[3].compensation, "none");
     let mean = |i: usize| standings[i].mean;
     assert!(mean(0) <= mean(1) && mean(2) < 0.5 * mean(3));
-    // Nobody is better than the best of a test.
+    // Each test has at least one best.
     let best: usize = standings.iter().map(|s| s.best_in).sum();
     assert!(best >= conditions.len(), "{best}");
 }
 
-/// A test of the survey as it is written with keys that are set, by the seed that is printed.
+/// Runs a test of the survey as written to a file, with overridden keys and the printed seed.
 fn written((survey, i): (u64, u64), set: &[String]) -> Summary {
     let lot = watch::Lot::MidTest;
     let (text, shaking) = lot.test(survey, i).expect("a drawn motion");
@@ -117,8 +117,8 @@ fn written((survey, i): (u64, u64), set: &[String]) -> Summary {
     run.expect("a test that runs").summary
 }
 
-/// A few kilograms at the load cell of an actuator whose oil column resonates at 300 Hz: a command that was sent further ahead by the
-/// acceleration of the target, which is the force's, had these tests shake until a reading was at its rail.
+/// A few kilograms at the load cell of an actuator whose oil column resonates at 300 Hz: when the command was extrapolated
+/// further by the acceleration of the target, which follows the force, these tests vibrated until a reading was at its rail.
 #[test]
 fn a_mass_at_the_load_cell_does_not_shake_where_the_command_is_sent_further_ahead() {
     for (i, kind) in [(750, "lagrange"), (904, "lagrange"), (909, "inverse")] {
@@ -138,12 +138,12 @@ fn the_rig_watch_is_nearly_silent_in_sound_tests_and_names_what_goes_wrong() {
     let sound = watch::sound(60, 7000, || ()).expect("tests that can run");
     let counts = sound.iter().filter(|t| t.counts);
     let named: Vec<_> = counts.clone().filter_map(|t| t.named.as_ref()).collect();
-    // docs/rig-watch-validation.md says how far the aim, none of 10 000, is missed.
+    // docs/rig-watch-validation.md says by how much the target, none of 10 000, is missed.
     assert!(named.len() <= 1, "{named:?}");
     let all = counts.count();
     assert!(all > 50);
     let faulty = watch::faulty(40, 7000, || ()).expect("tests that can run");
-    // What is written for `outerloop run` is the test of the survey: with two effects, one, and one.
+    // The test written for `outerloop run` is that of the survey: with two effects, one, and one.
     for (i, trial) in (0..3).zip(&faulty) {
         let own = written((7000, i), &[]).eps_rms.min(1.0);
         assert!((own - trial.eps[1]).abs() < 1e-12, "{i}: {own} {trial:?}");

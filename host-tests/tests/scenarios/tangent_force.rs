@@ -1,4 +1,4 @@
-//! Tangent force behind adaptive prediction: its targets. eps_rms on every motion, 40 s, at 2 kHz.
+//! Targets of the tangent force with adaptive prediction: eps_rms on every motion, 40 s, at 2 kHz.
 
 use host_tests::{Scenario, Shaking, data, eps, table1};
 use outerloop_core::Config;
@@ -6,7 +6,7 @@ use outerloop_core::Method;
 
 const BILINEAR: &str = "kind = 'bilinear'\nhardening_ratio = 0.05\nyield_mm = ";
 
-/// A yielding specimen behind a second-order actuator; half of the delay is declared to the predictor.
+/// A yielding specimen with a second-order actuator; half of the delay is declared to the predictor.
 fn bilinear(delay_ms: f64) -> Scenario {
     let mut s = Scenario::delayed(table1(), delay_ms).with(Method::Tangent);
     s.actuator = format!("kind = 'second_order'\ndelay_ms = {delay_ms:?}");

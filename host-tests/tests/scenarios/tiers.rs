@@ -1,4 +1,4 @@
-//! Every file of tests stands in CONTRIBUTING's table of tiers, and the tiers' lists name files that there are.
+//! Every file of tests is in CONTRIBUTING's table of tiers, and the tiers' lists name existing files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ fn the_lists_of_the_tiers_name_files_of_tests() {
     let mut lists = 0;
     for line in text.lines() {
         let list = line.split_once("=(").and_then(|(_, l)| l.strip_suffix(')'));
-        // The others are names within a file, or not in the head of the script.
+        // The other lists are names within a file, or not at the top level of the script.
         let Some(list) = list.filter(|l| !l.contains("::") && !line.starts_with(' ')) else {
             continue;
         };
@@ -55,7 +55,7 @@ fn the_lists_of_the_tiers_name_files_of_tests() {
     assert!(lists >= 5, "{lists}");
 }
 
-/// A name that leads to no test would skip nothing, and run nothing at night.
+/// A name without a test would skip nothing, and run nothing at night.
 #[test]
 fn what_the_tiers_take_out_of_a_file_is_there() {
     let text = std::fs::read_to_string(top().join("scripts/tiers")).unwrap();

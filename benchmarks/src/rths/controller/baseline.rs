@@ -4,7 +4,7 @@ use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::linear::Section;
 use crate::rths::size::RATE_HZ;
 
-/// `2 + 95 / s` on the error, the target led by `50.8 (s + 168.6) / (s + 8570)`.
+/// `2 + 95 / s` on the error, with the target led by `50.8 (s + 168.6) / (s + 8570)`.
 struct Baseline {
     lead: Section,
     /// Integral of the error, times 95/s, m.
@@ -22,7 +22,7 @@ impl Controller for Baseline {
     fn command_m(&mut self, seen: &ControllerInput) -> f64 {
         let error_m = self.lead.step(seen.floors_m[0]) - seen.displacement_m;
         let command_m = 2.0 * error_m + self.integral_m;
-        // The error is a reading: held until the next, its integral is exactly this sum.
+        // The error is held until the next sample, so its integral is exactly this sum.
         self.integral_m += 95.0 / RATE_HZ * error_m;
         command_m
     }

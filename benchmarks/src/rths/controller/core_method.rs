@@ -1,4 +1,4 @@
-//! Core's methods, in f32 as on the board: behind the problem's numerical part, or with core's own integration.
+//! Core's methods in f32, as on the board: after the problem's numerical part, or with core's own integration.
 
 use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::Refused;
@@ -15,22 +15,22 @@ use outerloop_core::{
     config::{Adaptation, Compensation, Hydraulic, StructureConfig, Tangent, Timing},
 };
 
-/// Settings of core.
+/// Core's settings.
 #[derive(Clone, Debug)]
 pub(super) struct CoreSetup {
     compensation: Compensation,
-    /// Command of the rig per command of the loop: found when the rig was calibrated, at rest.
+    /// Static gain from the loop's command to the rig's, as found when the rig was calibrated.
     calibration: f64,
-    /// Samples by which the force is known to come too late, half of the one for which it is held included.
+    /// Samples by which the force is known to come too late, including half of the sample for which it is held.
     late_steps: f64,
 }
 
 impl CoreSetup {
-    /// For `method`: the same for all. Adaptive ones may learn in motions of a fifth of a millimetre, and the time series
-    /// from what moves below 8 Hz, twice the first natural frequency: above is noise.
+    /// Settings for `method`, the same for all methods. Adaptive methods may learn from motions of 0.2 mm or more, and the
+    /// time series from motion below 8 Hz, about twice the first natural frequency; above is noise.
     pub fn new(declared: &DeclaredPlant, method: Method, lead_steps: f64, late_steps: f64) -> Self {
         let plant = &declared.plant;
-        // The published adaptive model-based compensation begins with the actuator alone.
+        // The published adaptive model-based compensation starts from the actuator alone.
         let begins_with = if method.predictor == Prediction::Amb {
             plant.without_specimen()
         } else {
@@ -50,7 +50,7 @@ impl CoreSetup {
                 ..Adaptation::default()
             },
             tangent: Tangent {
-                // The noise of both sensors is a per cent of the motion: a secant needs a good part of it.
+                // The noise of both sensors is about one per cent of the motion, so a secant needs a good part of the motion.
                 share: 0.3,
                 smoothing_ms: 2.0,
                 ..Tangent::default()
@@ -76,7 +76,7 @@ impl CoreSetup {
         }
     }
 
-    /// Behind the problem's numerical part.
+    /// A controller that takes its target from the problem's numerical part.
     ///
     /// # Errors
     /// What core refuses.
@@ -93,7 +93,7 @@ impl CoreSetup {
     }
 }
 
-/// Core behind a numerical part that is not its own.
+/// Core after a numerical part that is not its own.
 struct Behind {
     follower: Follower<FLOORS>,
     calibration: f64,
@@ -111,14 +111,14 @@ impl Controller for Behind {
     }
 }
 
-/// `L` loops of core that integrate themselves, with the force of the same sample.
+/// `L` loops of core that do their own integration, with the force of the same sample.
 pub struct CoreLoops<'a, const L: usize> {
     loops: [OuterLoop<FLOORS>; L],
     ground: GroundMotion<'a>,
     calibration: f64,
 }
 
-/// Steps at rest before the test, so that the loop is armed and stands at zero.
+/// Steps at rest before the loop is armed and the test starts.
 const STEPS_AT_REST: usize = 300;
 
 impl<'a, const L: usize> CoreLoops<'a, L> {
@@ -160,9 +160,9 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
             sample.force_n[0] = readings.force_n[l] as f32;
             let step = outer.step(&sample, &self.ground);
             answers.command_m[l] = f64::from(step.command_m[0]) * self.calibration;
-            // The targets that this sample belongs to.
+            // The targets that belong to this sample.
             let targets_m = step.record.command_m;
-            // A loop that tripped leaves no numbers.
+            // A tripped loop gives no values.
             let tripped = outer.mode() == Mode::Tripped;
             for (floor, target_m) in answers.floors_m.iter_mut().zip(targets_m) {
                 floor[l] = if tripped {
@@ -176,7 +176,7 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
     }
 }
 
-/// Delay of the declared plant at the first natural frequency, ms: the delay that methods with a delay parameter are given.
+/// Delay of the declared plant at the first natural frequency, ms, for methods with a delay parameter.
 fn delay_ms(declared: &DeclaredPlant) -> f64 {
     let case = &declared.case;
     let stiffness = case.reference().stiffness / case.mass_kg;
@@ -187,7 +187,7 @@ fn delay_ms(declared: &DeclaredPlant) -> f64 {
     -declared.plant.response(omega).arg() / omega * 1e3
 }
 
-/// The numerical part for core: its own mass and damping; of the stiffness, the whole and the numerical part.
+/// The structure for core: the whole mass and the physical one, the numerical damping, and the whole and numerical stiffness.
 fn structure(declared: &DeclaredPlant) -> Structure<FLOORS> {
     let plain = |m: &Matrix3<f64>| std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
     let specimen = &declared.plant.specimen;
@@ -203,7 +203,7 @@ fn structure(declared: &DeclaredPlant) -> Structure<FLOORS> {
     }
 }
 
-/// The test. The structure here is a shear frame of the same masses, which core checks but does not use.
+/// The test. Its structure is a shear frame with the same masses, which core checks but does not use.
 fn config(declared: &DeclaredPlant, compensation: &Compensation) -> Config {
     let all = |x: f64| [x; FLOORS].into_iter().collect();
     let Case {

@@ -12,8 +12,8 @@ use outerloop_core::{Accepted, Method, Prediction};
 
 /// A controller by its name, with its settings.
 ///
-/// The name of core's methods may carry settings: `amb/lead=1` leads the target by a sample against the known delay of the
-/// force, `hydraulic/mu=1.5` corrects that delay in a copy of the numerical part instead, and `/stiffness=0.7` declares 0.7
+/// The name of a method of core may carry settings: `amb/lead=1` leads the target by a sample to compensate the known delay of
+/// the force, `hydraulic/mu=1.5` corrects that delay in a copy of the numerical part instead, and `/stiffness=0.7` declares 0.7
 /// times the specimen's stiffness.
 #[derive(Clone)]
 pub struct Contestant {
@@ -22,7 +22,7 @@ pub struct Contestant {
     who: Who,
     /// Samples by which the target is led.
     lead_steps: f64,
-    /// Samples of delay of the force that are corrected.
+    /// Delay of the force that is corrected, samples.
     late_steps: f64,
     /// Declared over true stiffness of the nominal specimen.
     stiffness: f64,
@@ -34,7 +34,7 @@ enum Who {
     Core(Method),
 }
 
-/// Rows of the table beside the published controllers and the methods of core as they are.
+/// Rows of the table in addition to the published controllers and core's methods without settings.
 const WITH_SETTINGS: [&str; 9] = [
     "tangent+ats",
     "tangent+feedforward-feedback",
@@ -48,7 +48,7 @@ const WITH_SETTINGS: [&str; 9] = [
 ];
 
 impl Contestant {
-    /// The published ones, every method of core, and core's best with their settings.
+    /// The published controllers, every method of core, and core's best methods with settings.
     pub fn all() -> Vec<Self> {
         let core = Method::ALL.into_iter().map(Method::name);
         OUTSIDE
@@ -60,7 +60,7 @@ impl Contestant {
             .collect()
     }
 
-    /// A controller of another crate, for [`crate::rths::Benchmark`]; `benchmarks/examples/your_controller.rs` is one.
+    /// A controller of another crate for [`crate::rths::Benchmark`], as in `benchmarks/examples/your_controller.rs`.
     pub fn from_outside(outside: &'static Outside) -> Self {
         Self {
             name: outside.name.to_owned(),
@@ -71,10 +71,10 @@ impl Contestant {
         }
     }
 
-    /// By its name.
+    /// The controller of a name.
     ///
     /// # Errors
-    /// A name that nobody has; a setting that is none.
+    /// An unknown name or setting.
     pub fn named(name: &str) -> Result<Self, Refused> {
         let mut parts = name.split('/');
         let own = parts.next().unwrap_or_default();
@@ -126,7 +126,7 @@ impl Contestant {
         }
     }
 
-    /// What it knows beside the target and its readings.
+    /// What it knows besides the target and its readings.
     pub fn told(&self) -> &'static str {
         match self.who {
             Who::Outside(outside) => outside.told,
@@ -144,12 +144,12 @@ impl Contestant {
         }
     }
 
-    /// True if it is one where core integrates.
+    /// True if core can do its own integration with it.
     pub fn integrates(&self) -> bool {
         matches!(self.who, Who::Core(_)) && self.late_steps == 0.0
     }
 
-    /// One of it in front of a rig, at rest.
+    /// An instance at rest, for one rig.
     ///
     /// # Errors
     /// What core refuses.
@@ -161,7 +161,7 @@ impl Contestant {
         }
     }
 
-    /// `L` of it that integrate themselves; `None` for one that does not.
+    /// `L` instances that do their own integration; `None` if it cannot.
     ///
     /// # Errors
     /// What core refuses.

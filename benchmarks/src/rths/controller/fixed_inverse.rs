@@ -1,4 +1,4 @@
-//! The inverse of the declared plant to third order, fixed: `A_0 r + A_1 r' + A_2 r'' + A_3 r'''` over the numerator, with
+//! The fixed inverse of the declared plant to third order: `A_0 r + A_1 r' + A_2 r'' + A_3 r'''` over the numerator, with
 //! backward differences of the target.
 
 use super::interface::{Controller, ControllerInput, DeclaredPlant};
@@ -7,7 +7,7 @@ use crate::rths::size::RATE_HZ;
 struct FixedInverse {
     /// Factors of the target and its first three differences.
     factors: [f64; 4],
-    /// Target and its first two differences a sample ago, m.
+    /// The target and its first two differences one sample ago, m.
     last_m: [f64; 3],
 }
 

@@ -7,13 +7,13 @@ use super::{baseline, fixed_inverse};
 pub struct Outside {
     /// Its name.
     pub name: &'static str,
-    /// What it is told.
+    /// What it knows beforehand, for the table.
     pub told: &'static str,
-    /// Makes one, at rest.
+    /// Makes one at rest.
     pub make: fn(&DeclaredPlant) -> Box<dyn Controller>,
 }
 
-/// All that are not core's.
+/// All controllers that are not core's.
 pub const OUTSIDE: [Outside; 2] = [
     Outside {
         name: "pi-phase-lead",

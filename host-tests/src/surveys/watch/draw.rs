@@ -1,8 +1,8 @@
-//! What is drawn, and how.
+//! Random draws.
 
 use plant::random::{Normal, Purpose};
 
-/// Numbers for one test: the same for the same seed, for ever.
+/// Random numbers for one test, always the same for the same seed.
 pub(super) struct Draw(Normal);
 
 impl Draw {
@@ -10,17 +10,17 @@ impl Draw {
         Self(Normal::new(seed, Purpose::DrawnPlant, 26))
     }
 
-    /// Evenly between two bounds.
+    /// Uniform between two bounds.
     pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         0.5 * (low + high) + self.0.even(0.5 * (high - low))
     }
 
-    /// Evenly in the logarithm.
+    /// Log-uniform between two bounds.
     pub(super) fn ratio(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    /// As far as a tolerance either way.
+    /// Uniform within a tolerance either way.
     pub(super) fn off(&mut self, tolerance: f64) -> f64 {
         self.between(-tolerance, tolerance)
     }
@@ -34,7 +34,7 @@ impl Draw {
         self.0.even(1.0).signum()
     }
 
-    /// Normally distributed, of standard deviation 1.
+    /// Normal, with standard deviation 1.
     pub(super) fn normal(&mut self) -> f64 {
         self.0.sample()
     }

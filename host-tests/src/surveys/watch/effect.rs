@@ -1,4 +1,4 @@
-//! What goes wrong in mid-test, and what it may be called.
+//! Effects, from mid-test or from the start, and their accepted names.
 
 use super::draw::Draw;
 use super::rig::DrawnRig;
@@ -7,29 +7,29 @@ use serde::Serialize;
 /// A cause: name and side.
 pub(super) type Name = (&'static str, &'static str);
 
-/// What goes wrong.
+/// The effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
-    /// The actuator is later.
+    /// The actuator's delay grows.
     ActuatorLate,
-    /// It goes too far, or not far enough.
+    /// Its gain is too large or too small.
     ActuatorGain,
-    /// The displacement transducer reads a share more or less.
+    /// The displacement transducer's gain is too large or too small.
     DisplacementGain,
-    /// Its zero moves.
+    /// Its zero jumps.
     DisplacementOffset,
     /// It reads late.
     DisplacementLate,
-    /// The load cell reads a share more or less.
+    /// The load cell's gain is too large or too small.
     ForceGain,
     /// It reads late.
     ForceLate,
-    /// The stroke ends.
+    /// The actuator's stroke is limited.
     StrokeLimit,
-    /// The actuator gets no faster.
+    /// The actuator's velocity is limited.
     RateLimit,
-    /// A reading stands, with its noise.
+    /// A reading freezes, with its noise.
     Frozen,
     /// Play between actuator and specimen.
     Play,
@@ -37,28 +37,28 @@ pub enum Kind {
     Mass,
     /// The specimen breaks.
     Break,
-    /// The actuator stands beside its command.
+    /// The actuator is off its command by an offset.
     ActuatorOffset,
     /// Friction holds it back.
     ActuatorFriction,
     /// Its valve overlaps.
     Overlap,
-    /// The zero of the displacement transducer wanders.
+    /// The zero of the displacement transducer drifts.
     DisplacementDrift,
-    /// The zero of the load cell moves.
+    /// The zero of the load cell jumps.
     ForceOffset,
-    /// It wanders.
+    /// It drifts.
     ForceDrift,
     /// A sensor is noisier.
     Noise,
-    /// The mains are on a sensor.
+    /// Mains hum on a sensor.
     Hum,
-    /// A bearing beside the specimen rubs.
+    /// Friction in a bearing next to the specimen.
     BearingFriction,
 }
 
 impl Kind {
-    /// All of them; the first is drawn twice as often.
+    /// Those drawn in mid-test; the first is drawn twice as often.
     pub const ALL: [Self; 13] = [
         Self::ActuatorLate,
         Self::ActuatorGain,
@@ -75,7 +75,7 @@ impl Kind {
         Self::Break,
     ];
 
-    /// Those that are drawn beside the others, for tests of their own.
+    /// Those drawn only for tests with an effect of any kind.
     pub const OTHERS: [Self; 9] = [
         Self::ActuatorOffset,
         Self::ActuatorFriction,
@@ -88,7 +88,7 @@ impl Kind {
         Self::BearingFriction,
     ];
 
-    /// In tables.
+    /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ActuatorLate => "actuator late",
@@ -116,7 +116,7 @@ impl Kind {
         }
     }
 
-    /// The displacement transducer lies.
+    /// Whether the displacement transducer reads wrong.
     pub(super) const fn lies(self) -> bool {
         matches!(
             self,
@@ -125,16 +125,16 @@ impl Kind {
     }
 }
 
-/// An effect that begins in mid-test, or is there from the start.
+/// An effect that begins in mid-test or from the start.
 pub(super) struct DrawnEffect {
     pub(super) kind: Kind,
-    /// Its table.
+    /// Its table in the test file.
     pub(super) text: String,
-    /// When, s of the model.
+    /// When it begins, s of model time.
     pub(super) from_s: f64,
-    /// The names that are right.
+    /// The correct names.
     pub(super) right: Vec<Name>,
-    /// Those that are right at first as well: a drift is an offset until it has moved on.
+    /// Names that are also correct at first: a drift looks like an offset until it has moved on.
     pub(super) at_first: Vec<Name>,
 }
 
@@ -145,7 +145,7 @@ impl DrawnEffect {
         Self::of(Kind::ALL[at.min(12)], from_s, rig, draw)
     }
 
-    /// Of every kind, those of [`Kind::OTHERS`] in two of three tests, from the start in every second.
+    /// An effect of any kind: in two of three tests from [`Kind::OTHERS`], and in every second from the start.
     pub(super) fn any(rig: &DrawnRig, draw: &mut Draw) -> Self {
         let from_s = draw.between(-0.5, 0.5).max(0.0) * rig.seconds;
         let at = draw.between(0.0, 13.0) as usize;
@@ -178,7 +178,7 @@ impl DrawnEffect {
             | Kind::Hum
             | Kind::BearingFriction => other(kind, rig, draw),
         };
-        // Of two actuators it is the lower one's.
+        // With two actuators the effect is in the lower one.
         let axis = if rig.storeys > 1 { "axis = 1\n" } else { "" };
         Self {
             kind,
@@ -312,7 +312,7 @@ fn other(kind: Kind, rig: &DrawnRig, draw: &mut Draw) -> (String, Vec<Name>) {
             format!("name = 'coulomb_friction'\nchannel = 'actuator'\nerror_mm = {way_mm}"),
             vec![("coulomb_friction", "actuator")],
         ),
-        // What an overlap takes of each turn is a smaller gain, too.
+        // An overlap also reduces the gain, but only its own name is correct.
         Kind::Overlap => (
             format!(
                 "name = 'dead_band'\nchannel = 'actuator'\nwidth_mm = {}",

@@ -1,16 +1,16 @@
-//! The rig watch over tests that no tuning has seen: what it says of sound ones, and of such in which something goes wrong.
+//! The rig watch over tests not used for tuning: what it says of sound ones, and of tests with an effect.
 //!
 //! | file | what is there |
 //! |---|---|
-//! | `draw.rs`, `rig.rs` | a rig with every declared value off inside its tolerance, and a test on it |
-//! | `effect.rs` | what goes wrong in mid-test, and what it may be called |
+//! | `draw.rs`, `rig.rs` | a rig whose true values differ from the declared ones within tolerance, and a test on it |
+//! | `effect.rs` | effects, from mid-test or from the start, and their accepted names |
 //! | `trial.rs` | one test, and what is kept of it |
-//! | `table.rs` | what was aimed at, what was found, and by how much it is missed |
+//! | `table.rs` | targets, results, and by how much they are missed |
 //!
-//! Sound rigs: 0.5 to 4 Hz, 5 to 100 mm, 3 to 30 ms of lateness, from a delay with a lag to a servo-hydraulic actuator; linear,
-//! bilinear and Bouc-Wen specimens with up to 2 % of the structure's mass at their load cell, one in four of those that yield degrading, one in three of the linear ones hardening, softening or
-//! degrading; 12 and 16 bits, noise of 0.01 to 0.5 % of the peak;
-//! sixteen compensations; one in eight with two actuators.
+//! Sound rigs: 0.5 to 4 Hz, 5 to 100 mm, a delay of 3 to 30 ms, from a delay with a lag to a servo-hydraulic actuator; linear,
+//! bilinear and Bouc-Wen specimens with up to 0.5 % of the structure's mass at their load cell, one in four of those that yield
+//! degrading, one in three of the linear ones hardening, softening or degrading; 12 or 16 bits or no converters, noise of 0.01
+//! to 0.5 % of the peak; sixteen compensations; one in eight with two actuators.
 
 mod draw;
 mod effect;
@@ -28,13 +28,14 @@ use experiment::files::ground_motion::GroundMotionFile;
 use outerloop_core::Method;
 use rayon::prelude::*;
 
-/// Seeds of tests in which something goes wrong are so far from those of sound ones, those with an effect of any kind twice as far.
+/// Distance of the seeds of tests with an effect in mid-test from those of sound ones; the other lots are twice and three
+/// times as far.
 const FAULTS_FROM: u64 = 1_000_000;
 const ANY_FROM: u64 = 2 * FAULTS_FROM;
 const RECORDED_FROM: u64 = 3 * FAULTS_FROM;
-/// Of so many tests with an effect, one has two at once.
+/// One in this many tests with an effect has two at once.
 const TWO_IN: u64 = 10;
-/// One in four is run under `ats` as well, and one in four under one of the others that learn.
+/// One in four is also run with `ats`, and one in four with another adaptive method.
 const ADAPTIVE_IN: u64 = 4;
 const LEARN: [Method; 6] = [
     Method::AdaptiveInverse,
@@ -70,7 +71,7 @@ impl Lot {
         seed + from + i
     }
 
-    /// Test file and ground motion of its test `i` in the survey of `seed`, for whoever looks at one test; none where there is no
+    /// Test file and ground motion of its test `i` in the survey of `seed`, to look at a single test; `None` if there is no
     /// recorded ground motion.
     pub fn test(self, seed: u64, i: u64) -> Option<(String, GroundMotionFile)> {
         let own = self.seed(seed, i);
@@ -83,12 +84,12 @@ impl Lot {
     }
 }
 
-/// The motion of test `i`, each in its turn.
+/// The motion of test `i`, taken in turn.
 fn of_turn(motions: &[GroundMotionFile], i: u64) -> Option<&GroundMotionFile> {
     motions.get(i as usize % motions.len().max(1))
 }
 
-/// One effect in mid-test; in one test of ten two.
+/// One effect in mid-test; two in one test of ten.
 fn in_mid_test(i: u64, rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::DrawnEffect> {
     let first = effect::DrawnEffect::new(rig, draw);
     let second = i
@@ -98,7 +99,7 @@ fn in_mid_test(i: u64, rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect
     std::iter::once(first).chain(second).collect()
 }
 
-/// Under which compensation that learns test `i` is run beside its own.
+/// The adaptive compensation with which test `i` is run in addition to its own.
 fn learns(i: u64) -> Option<Method> {
     match i % ADAPTIVE_IN {
         1 => Some(Method::Ats),
@@ -111,7 +112,7 @@ fn of_any_effect(rig: &rig::DrawnRig, draw: &mut draw::Draw) -> Vec<effect::Draw
     vec![effect::DrawnEffect::any(rig, draw)]
 }
 
-/// So many sound tests from a seed on. `one_done` is called after each.
+/// This many sound tests, starting at a seed. `one_done` is called after each.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -130,7 +131,7 @@ pub fn sound(
         .collect()
 }
 
-/// So many sound tests under `motions` in turn; none where there are none.
+/// This many sound tests with `motions` in turn; none if there are no motions.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -148,7 +149,7 @@ pub fn recorded(
     trials.flatten().collect()
 }
 
-/// So many tests in which something goes wrong.
+/// This many tests with an effect in mid-test.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -169,7 +170,7 @@ pub fn faulty(
         .collect()
 }
 
-/// So many tests with an effect of any kind, from the start or in mid-test.
+/// This many tests with an effect of any kind, from the start or in mid-test.
 ///
 /// # Errors
 /// A test that cannot run.

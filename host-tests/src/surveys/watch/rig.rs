@@ -1,4 +1,4 @@
-//! A rig with every declared value off inside its tolerance, and a test on it.
+//! A rig whose true values differ from the declared ones within tolerance, and a test on it.
 
 use super::draw::Draw;
 use experiment::files::ground_motion::GroundMotionFile;
@@ -6,7 +6,7 @@ use experiment::files::near_fault::near_fault;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-/// A drawn rig with its test, and what its effects are measured in.
+/// A drawn rig with its test, and the scales of its effects.
 pub(super) struct DrawnRig {
     /// The test file.
     pub(super) text: String,
@@ -15,17 +15,17 @@ pub(super) struct DrawnRig {
     pub(super) mass_kg: f64,
     pub(super) seconds: f64,
     pub(super) storeys: usize,
-    /// It yields, and was declared elastic.
+    /// It yields, and it is declared elastic.
     pub(super) yields: bool,
     pub(super) declared_elastic: bool,
-    /// How it hardens, softens or degrades though declared linear: the end of `text`, empty where it does not.
+    /// How it hardens, softens or degrades though declared linear: the end of `text`, or empty.
     pub(super) bend: String,
-    /// What it is, for whoever looks at a name that is false.
+    /// Its description, for the analysis of a false name.
     pub(super) kind: String,
     pub(super) shaking: GroundMotionFile,
 }
 
-/// What the parts of a rig are measured in.
+/// Scales for the parts of a rig.
 struct Scales {
     omega: f64,
     stiffness: f64,
@@ -33,7 +33,8 @@ struct Scales {
     force_n: f64,
 }
 
-/// All that can be drawn: `amb` has gains of its motion, `none` and Eq. 14 leave the actuator late.
+/// All compensations drawn: not `amb`, whose gains are for one size of motion, nor `none` and Eq 14, which leave the
+/// actuator late.
 const COMPENSATIONS: [&str; 16] = [
     "paper",
     "inverse",
@@ -52,7 +53,7 @@ const COMPENSATIONS: [&str; 16] = [
     "paper+lagrange",
     "tangent+afp",
 ];
-/// Standard tolerances: of the gain, and of the peak displacement an offset.
+/// Standard tolerances: of the gain, and of the offset as a fraction of the peak displacement.
 const GAIN: f64 = 0.003;
 const OFFSET: f64 = 0.002;
 
@@ -61,7 +62,7 @@ impl DrawnRig {
         let mut draw = Draw::new(seed);
         let hz = draw.ratio(0.5, 4.0);
         let (omega, mass_kg) = (TAU * hz, draw.ratio(300.0, 20_000.0));
-        // One of eight has two actuators, each at a floor of its own: its first mode is as slow as the others'.
+        // One in eight has two actuators, one at each floor, with the same first frequency.
         let (storeys, first) = match draw.between(0.0, 8.0) {
             x if x < 1.0 => (2, 0.381_966),
             _ => (1, 1.0),
@@ -94,7 +95,7 @@ impl DrawnRig {
         );
         let noise = sensors(&mut draw, &scales, &mut text);
         text += &actuator.declared;
-        // A lag has no acceleration of its own: its speed jumps with each command.
+        // A lag has no finite acceleration: its velocity jumps with each command.
         let has_mass = storeys == 1 && actuator.name != "lag_delay";
         let mass = has_mass.then(|| specimens_mass(seed, mass_kg));
         let (declared_mass, true_mass) = mass.unwrap_or_default();
@@ -106,7 +107,7 @@ impl DrawnRig {
             1e-3 * stiffness,
             0.025e-3 * stiffness,
         );
-        // What yields is declared so in two of three tests.
+        // A specimen that yields is declared so in two of three tests.
         let declared_elastic = !yields || draw.between(0.0, 1.0) > 0.67;
         if !declared_elastic {
             let _ = write!(
@@ -155,7 +156,7 @@ struct DrawnActuator {
     declared: String,
 }
 
-/// From a delay with a lag to a servo-hydraulic one, and its declared lateness, ms.
+/// From a delay with a lag to a servo-hydraulic one, and its declared total delay, ms.
 fn actuator(draw: &mut Draw, s: &Scales) -> (DrawnActuator, f64) {
     let late_ms = draw.ratio(3.0, 30.0_f64.min(0.12e3 / s.omega));
     let tolerance = 0.08 * late_ms + 0.2;
@@ -184,8 +185,8 @@ fn actuator(draw: &mut Draw, s: &Scales) -> (DrawnActuator, f64) {
             ),
             late_ms,
         ),
-        // Faster than this its control loop is unstable. An oil column 20 times as stiff as the specimen: its friction is
-        // then no load.
+        // Faster than 8 ms its control loop is unstable. The oil column is 20 times as stiff as the specimen, so that the
+        // specimen's friction is not a significant load.
         _ => (
             "servo_hydraulic",
             format!(
@@ -213,9 +214,9 @@ fn actuator(draw: &mut Draw, s: &Scales) -> (DrawnActuator, f64) {
     (drawn, late_ms)
 }
 
-/// Mass between specimen and load cell, as it is declared and as it is.
+/// Mass between specimen and load cell, declared and true.
 fn specimens_mass(seed: u64, mass_kg: f64) -> (String, String) {
-    // A draw of its own, so that the others are what they were before there was a mass.
+    // A separate draw, so that the others stay what they were before there was a mass.
     let mut draw = Draw::new(seed ^ 0xa0);
     let declared = draw.between(0.0, 0.005) * mass_kg;
     let tolerance = 0.2 * declared;
@@ -243,7 +244,8 @@ fn specimen(draw: &mut Draw, s: &Scales) -> (String, bool) {
     (text, true)
 }
 
-/// Noise, gains, offsets and skew of the sensors inside their tolerances, and converters; the noise, peaks.
+/// Noise, gains, offsets and skew of the sensors within their tolerances, and converters; returns the noise as a fraction of the
+/// peak.
 fn sensors(draw: &mut Draw, s: &Scales, text: &mut String) -> f64 {
     let noise = draw.ratio(1e-4, 5e-3);
     let bits = draw.of(&["", "bits = 12\n", "bits = 16\n", "bits = 16\n"]);
@@ -270,7 +272,7 @@ fn sensors(draw: &mut Draw, s: &Scales, text: &mut String) -> f64 {
     noise
 }
 
-/// What every rig has: bearings that rub a little, and of the specimens that yield one in four degrades with its way.
+/// What every rig has: a little bearing friction; one in four of the specimens that yield degrades with its travel.
 fn always_there(draw: &mut Draw, s: &Scales, yields: bool, text: &mut String) {
     let friction = draw.between(0.0, 0.004) * s.force_n;
     let _ = write!(
@@ -289,8 +291,8 @@ fn always_there(draw: &mut Draw, s: &Scales, yields: bool, text: &mut String) {
     }
 }
 
-/// What one in three of the specimens that do not yield does otherwise than it was declared to, 4 to 30 % of its stiffness: in
-/// words, and as a test file has it.
+/// How one in three of the specimens that do not yield departs from its declaration, by 4 to 30 % of its stiffness: in words, and
+/// as tables of the test file.
 fn bent(draw: &mut Draw, peak_mm: f64) -> (&'static str, String) {
     let (kind, name, exponent) = match draw.between(0.0, 12.0) {
         x if x < 1.0 => (", hardens", "hardening", 2.0),
@@ -311,8 +313,8 @@ fn bent(draw: &mut Draw, peak_mm: f64) -> (&'static str, String) {
     (kind, text)
 }
 
-/// In two of three tests noise under an envelope, with a spectrum around the structure's frequency; else the built-in near-fault
-/// record, stretched to the structure.
+/// In two of three tests, noise with an envelope and a spectrum around the structure's frequency; otherwise the built-in
+/// near-fault record, stretched to the test's duration.
 fn shaking(draw: &mut Draw, hz: f64, seconds: f64) -> GroundMotionFile {
     if draw.between(0.0, 3.0) < 1.0 {
         let mut built_in = near_fault();

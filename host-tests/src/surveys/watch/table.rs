@@ -1,21 +1,21 @@
-//! What was aimed at, what was found, and by how much it is missed.
+//! Targets, results, and by how much they are missed.
 
 use super::effect::Kind;
 use super::trial::{FaultTrial, Learning, SoundTrial, Unwatched};
 use experiment::summary::POOR_EPS_RMS;
 use serde::Serialize;
 
-/// What an effect has to add to the error for it to count, peaks.
+/// What an effect must add to the error to count, as a fraction of the peak.
 const MATTERS: f64 = 0.01;
-/// What it has to add where it is asked how many are named.
+/// What it must add to count in the fraction that is named.
 const CLEARLY: f64 = 0.05;
-/// The method of which the study asks how a guard serves it.
+/// The method for which the study judges the guard.
 const ATS: &str = "ats";
-/// A test that is off by more than this beyond another is worse, peaks.
+/// A test is worse than another if its error is larger by more than this, as a fraction of the peak.
 const WORSE: f64 = 0.01;
 
 impl FaultTrial {
-    /// The correction has made it worse. One that was stopped sooner without it is of a longer test.
+    /// Whether the correction has made it worse. If it was stopped sooner without it, the errors are of different durations.
     pub fn is_made_worse(&self) -> bool {
         self.counts && !self.longer && self.eps[2] > self.eps[1] + WORSE
     }
@@ -24,19 +24,19 @@ impl FaultTrial {
 /// A row of the table of targets.
 #[derive(Clone, Debug, Serialize)]
 pub struct Target {
-    /// What is asked.
+    /// The quantity.
     pub target: &'static str,
-    /// What was aimed at, in words.
+    /// The target value, in words.
     pub aim: &'static str,
-    /// What was found, in words.
+    /// The result, in words.
     pub found: String,
-    /// By how much the aim is missed; empty where it is reached.
+    /// By how much the target is missed; empty if it is reached.
     pub missed: String,
-    /// False where it is worse than on the page (docs/rig-watch-validation.md) by more than chance makes it.
+    /// False if it is worse than on the page (docs/rig-watch-validation.md) by more than chance.
     pub holds: bool,
 }
 
-/// A share of a number of tests.
+/// A number of tests out of all.
 #[derive(Clone, Copy)]
 struct Share {
     n: usize,
@@ -63,22 +63,22 @@ impl Share {
         self.n as f64 / self.of.max(1) as f64
     }
 
-    /// Four standard deviations of a share of so many: what is on the page is a draw, too.
+    /// Four standard deviations of a fraction of this many: the figure on the page is also from a draw.
     fn chance(self, share: f64) -> f64 {
         4.0 * (share * (1.0 - share) / self.of.max(1) as f64).sqrt()
     }
 
-    /// It is not below what is on the page by more than chance.
+    /// Whether it is not below the figure on the page by more than chance.
     fn holds_at_least(self, share: f64) -> bool {
         self.of == 0 || self.share() >= share - self.chance(share)
     }
 
-    /// It is not above what is on the page by more than chance, one test included.
+    /// Whether it is not above the figure on the page by more than chance plus one test.
     fn holds_at_most(self, share: f64) -> bool {
         self.n <= 1 || self.share() <= share + self.chance(share) + 1.0 / self.of as f64
     }
 
-    /// By how many points it is below what was aimed at.
+    /// By how many points it is below the target.
     fn below(self, aim: f64) -> String {
         let points = aim - self.percent();
         match points > 0.0 {
@@ -87,7 +87,7 @@ impl Share {
         }
     }
 
-    /// How many tests there are of which there should be none.
+    /// Number of tests of which there should be none, in words.
     fn too_many(self) -> String {
         match self.n {
             0 => String::new(),
@@ -97,7 +97,7 @@ impl Share {
     }
 }
 
-/// What is missed of a share, which is never nothing.
+/// By how many points a target is missed, never written as zero.
 fn in_points(missed: f64) -> String {
     match missed {
         x if x < 0.1 => "less than 0.1 points".into(),
@@ -106,8 +106,8 @@ fn in_points(missed: f64) -> String {
     }
 }
 
-/// Every row of the table; `recorded`: sound tests whose ground moves as it was recorded; `of_any_kind`: tests with an effect of any
-/// kind, from the start or in mid-test.
+/// Every row of the table; `recorded`: sound tests with recorded ground motions; `of_any_kind`: tests with an effect of any kind,
+/// from the start or in mid-test.
 pub fn targets(
     [sound, recorded]: [&[SoundTrial]; 2],
     faulty: &[FaultTrial],
@@ -125,7 +125,7 @@ pub fn targets(
     rows
 }
 
-/// What corrections do that they should not.
+/// Harm done by corrections.
 fn harm(sound: &[SoundTrial], faulty: &[&FaultTrial]) -> Vec<Target> {
     let counts = faulty.iter().filter(|t| t.counts);
     let allowed: Vec<&FaultTrial> = counts.copied().collect();
@@ -182,7 +182,7 @@ fn of_any(all: &[FaultTrial]) -> Vec<Target> {
     ]
 }
 
-/// What is aimed at is not to be above, and what is on the page; `found` in words.
+/// A figure that should be small: by how much it exceeds the target and the figure on the page; `found` in words.
 fn at_most(
     target: &'static str,
     aim: &'static str,
@@ -214,7 +214,7 @@ fn row(target: &'static str, aim: &'static str, found: String, missed: String) -
     }
 }
 
-/// A number of tests of which there should be none; `held`: the share on the page.
+/// A number of tests of which there should be none; `held`: the fraction on the page.
 fn count(target: &'static str, aim: &'static str, share: Share, held: f64) -> Target {
     let found = format!("{} of {}", share.n, share.of);
     Target {
@@ -223,7 +223,7 @@ fn count(target: &'static str, aim: &'static str, share: Share, held: f64) -> Ta
     }
 }
 
-/// A share that should be large; `held`: the one on the page.
+/// A fraction that should be large; `held`: the percentage on the page.
 fn share(target: &'static str, aim: &'static str, share: Share, [least, held]: [f64; 2]) -> Target {
     Target {
         holds: share.holds_at_least(0.01 * held),
@@ -395,15 +395,15 @@ fn corrections(one: &[&FaultTrial]) -> Vec<Target> {
     ]
 }
 
-/// How often a lying transducer makes a test under a method that learns worse by more than 1 % of the peak than the same test under
-/// the rig's own compensation.
+/// How often a wrong transducer adds more error to a test with an adaptive method, by over 1 % of the peak, than to the same
+/// test with the rig's own compensation.
 fn guards(faulty: &[FaultTrial]) -> Vec<Target> {
     let of = |is_ats: bool, eps: fn(&Learning) -> f64| {
         let lies = faulty
             .iter()
             .filter(|t| t.counts && t.beside.is_none() && t.kind.lies());
         let tests = lies.filter_map(|t| Some((t, t.adaptive.as_ref()?)));
-        // What does not fit the rig while nothing is wrong cannot be led astray.
+        // A method that does not fit the sound rig cannot be misled.
         let fits = |own: &Learning| (own.method == ATS) == is_ats && own.sound <= POOR_EPS_RMS;
         let tests: Vec<_> = tests.filter(|(_, own)| fits(own)).collect();
         let worse =
@@ -447,7 +447,7 @@ fn guards(faulty: &[FaultTrial]) -> Vec<Target> {
     ]
 }
 
-/// What stands beside the watch, and what it was not made for; nothing is aimed at.
+/// Other monitors, and cases for which the watch was not made; these rows have no target.
 fn beside(sound: &[SoundTrial], faulty: &[FaultTrial]) -> Vec<Target> {
     let counts: Vec<&SoundTrial> = sound.iter().filter(|t| t.counts).collect();
     let matter: Vec<&FaultTrial> = faulty.iter().filter(|t| t.adds(MATTERS)).collect();
@@ -535,10 +535,10 @@ mod tests {
     #[test]
     fn a_share_holds_where_it_is_no_worse_than_on_the_page_by_more_than_chance() {
         let at_least = |n| Share { n, of: 100 }.holds_at_least(0.9);
-        // Four deviations of 90 of 100 are 12.
+        // Four standard deviations of 90 of 100 are 12.
         assert_eq!([77, 78, 100].map(at_least), [false, true, true]);
         let at_most = |n| Share { n, of: 1000 }.holds_at_most(1e-3);
-        // One, four deviations of very nearly one, and one more: just below six.
+        // One, four standard deviations of nearly one each, and one more: just below six.
         assert_eq!([1, 5, 6].map(at_most), [true, true, false]);
         assert!(
             Share { n: 0, of: 0 }.holds_at_least(0.9),

@@ -15,116 +15,117 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// What the loop may correct for, also beside a compensation that learns lateness and gain itself.
+/// What the loop may correct for; less with a compensation that learns delay and gain itself.
 const CORRECT: &str = "[watch]\ncorrect = ['lateness', 'gain', 'late_sensor']\n";
 const CORRECT_BESIDE: &str = "[watch]\ncorrect = ['late_sensor']\n";
 const UNGUARDED: &str = "[watch]\nguard = false\n";
 const UNWATCHED: &str = "[watch]\non = false\n";
-/// The energy monitor where it is beside the watch: the default of `limits.energy_trip`.
+/// The energy monitor, for comparison with the watch: the default of `limits.energy_trip`.
 const ENERGY_TRIP: f64 = 3.0;
-/// Share of its squares from which a recorded motion has begun.
+/// Fraction of a recorded motion's sum of squares at which its strong part begins.
 const BEGUN: f32 = 0.01;
-/// Most that a test can be off, peaks: what ran away is off by this.
+/// Largest error of a test, as a fraction of the peak: that of a test that ran away.
 const LOST: f64 = 1.0;
 
 /// A sound test.
 #[derive(Clone, Debug, Serialize)]
 pub struct SoundTrial {
-    /// What its rig is.
+    /// Description of its rig.
     pub kind: String,
-    /// False where the compensation does not fit the rig, its specimen being as declared: nothing of it is sound.
+    /// False if the compensation does not fit the rig even with the specimen as declared: the test is not sound.
     pub counts: bool,
     /// It yields.
     pub yields: bool,
-    /// Though it was declared elastic.
+    /// It is declared elastic.
     pub declared_elastic: bool,
-    /// It hardens, softens or degrades, and was declared linear.
+    /// It hardens, softens or degrades, and is declared linear.
     pub bends: bool,
-    /// A name, which is false: when and what.
+    /// A name, which is false, and when it came.
     pub named: Option<String>,
     /// Its energy error passed the published threshold of 0.2.
     pub energy: bool,
-    /// Error, peaks.
+    /// Error, as a fraction of the peak.
     pub eps: f64,
-    /// The same where the loop may correct; it does so behind a name alone.
+    /// The same if the loop may correct, which it does only after a name.
     pub corrected_eps: f64,
 }
 
-/// A test in which something goes wrong in mid-test.
+/// A test with one or two effects.
 #[derive(Clone, Debug, Serialize)]
 pub struct FaultTrial {
-    /// What its rig is.
+    /// Description of its rig.
     pub rig: String,
-    /// What goes wrong; the first of two.
+    /// The effect; the first of two.
     pub kind: Kind,
     /// The second of two.
     pub beside: Option<Kind>,
-    /// Of two actuators.
+    /// It has two actuators.
     pub several: bool,
-    /// The specimen was declared elastic and is.
+    /// The specimen is elastic, as declared.
     pub elastic: bool,
-    /// False where already the sound test is not.
+    /// False if even the test without the effect is not sound.
     pub counts: bool,
-    /// Error without the effect, with it, and corrected, peaks.
+    /// Error without the effect, with it, and corrected, as a fraction of the peak.
     pub eps: [f64; 3],
-    /// Where asked for: under a compensation that learns.
+    /// With an adaptive compensation, if requested.
     pub adaptive: Option<Learning>,
-    /// Where the watch stopped the test: the same without it.
+    /// The same without the watch, if the watch stopped the test.
     pub unwatched: Option<Unwatched>,
     /// The corrected test ran away or was stopped, and the other did not.
     pub unstable: bool,
-    /// The other was stopped, and the corrected one went on: its error is of a longer test.
+    /// The other was stopped, and the corrected one went on, so its error is of a longer duration.
     pub longer: bool,
-    /// The compensation learns lateness and gain itself: only a late sensor is corrected for.
+    /// The compensation learns delay and gain itself: only a late sensor is corrected for.
     pub learns: bool,
-    /// What was named first, in words.
+    /// The first name, in words.
     pub named: Option<String>,
-    /// And in the end.
+    /// The last name, in words.
     pub last: Option<String>,
-    /// The first set holds a right name; the last does; the last is nothing else.
+    /// The first set contains a correct name; the last does; the last contains nothing else.
     pub right: [bool; 3],
-    /// From the beginning of the effect to the first right name, cycles of the structure.
+    /// Time from the start of the effect to the first correct name, cycles of the structure.
     pub cycles: Option<f64>,
-    /// The energy monitor had stopped the test, or would have.
+    /// The energy monitor stopped the test, or would have.
     pub energy: bool,
 }
 
-/// A test under a compensation that learns: its errors, peaks.
+/// Errors of a test with an adaptive compensation, as a fraction of the peak.
 #[derive(Clone, Debug, Serialize)]
 pub struct Learning {
-    /// Which.
+    /// Its method.
     pub method: &'static str,
-    /// Nothing goes wrong.
+    /// The error without the effect.
     pub sound: f64,
-    /// Something does, and what was learnt is held.
+    /// The error with the effect, while the watch holds the adaptation.
     pub guarded: f64,
-    /// It goes on learning.
+    /// The error with the effect, while it keeps adapting.
     pub unguarded: f64,
 }
 
 /// A test without the watch that stopped it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Unwatched {
-    /// Error, peaks.
+    /// Error, as a fraction of the peak.
     pub eps: f64,
     /// Something else stopped it.
     pub stopped: bool,
 }
 
 impl FaultTrial {
-    /// What the effect adds to the error, peaks.
+    /// What the effect adds to the error, as a fraction of the peak.
     pub fn added(&self) -> f64 {
         self.eps[1] - self.eps[0]
     }
 
-    /// A frozen sensor matters whatever it has added until the test is stopped; noise and hum hardly add anything.
+    /// Whether the effect adds more than this. A frozen sensor always counts, since the test is stopped soon, as do noise
+    /// and hum, which add little.
     pub fn adds(&self, more: f64) -> bool {
         let always = matches!(self.kind, Kind::Frozen | Kind::Noise | Kind::Hum);
         self.counts && (always || self.added() > more)
     }
 }
 
-/// The test of a sound seed, under another motion where there is one.
+/// The sound test of a seed, with another motion if one is given.
 pub(super) fn sound_test(
     seed: u64,
     motion: Option<&GroundMotionFile>,
@@ -161,7 +162,7 @@ impl Planned {
         }
     }
 
-    /// Under the strong part of another motion, as long as the drawn one.
+    /// With the strong part of another motion, as long as the drawn one.
     fn under(mut self, motion: Option<&GroundMotionFile>) -> Self {
         if let Some(motion) = motion {
             let all = motion.acc_m_per_s2.iter();
@@ -180,7 +181,7 @@ impl Planned {
         self
     }
 
-    /// The same with the specimen as declared, where this one bends.
+    /// The same with the specimen as declared; `None` if it already is.
     fn without_bend(&self) -> Option<Self> {
         let mut straight = Self::new(self.seed);
         straight.rig.shaking.clone_from(&self.rig.shaking);
@@ -242,7 +243,7 @@ fn first(watch: Option<&WatchReport>) -> Option<&WatchEvent> {
 }
 
 impl SoundTrial {
-    /// Of a seed, under another motion where there is one.
+    /// The test of a seed, with another motion if one is given.
     ///
     /// # Errors
     /// A test that cannot run.
@@ -250,7 +251,7 @@ impl SoundTrial {
         let mut planned = Planned::new(seed).under(motion);
         let s = planned.run("", None)?;
         let mut fits = s.eps_rms <= POOR_EPS_RMS;
-        // How far a specimen that bends takes the test from what was planned says nothing of the compensation.
+        // The deviation caused by a nonlinear specimen says nothing about the compensation.
         if let Some(mut straight) = planned.without_bend() {
             fits = straight.run("", None)?.eps_rms <= POOR_EPS_RMS;
         }
@@ -276,7 +277,7 @@ impl SoundTrial {
 }
 
 impl FaultTrial {
-    /// Of a seed, with what `effects` draws; `adaptive`: the same also under this method, guarded and not.
+    /// The test of a seed, with what `effects` draws; `adaptive`: also with this method, guarded and not.
     ///
     /// # Errors
     /// A test that cannot run.
@@ -369,7 +370,7 @@ impl FaultTrial {
     }
 }
 
-/// The most that may be corrected for.
+/// The corrections that are allowed.
 fn allowed(planned: &Planned) -> Result<&'static str, Failure> {
     Ok(match learns(planned)? {
         true => CORRECT_BESIDE,
