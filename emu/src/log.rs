@@ -58,7 +58,7 @@ pub enum InjectedFault {
     },
     /// The displacement reading is scaled.
     ReadingGain {
-    /// Percent of the true value.
+        /// Percent of the true value.
         percent: u32,
     },
     /// The second displacement is dead.
@@ -71,12 +71,12 @@ pub enum InjectedFault {
     DeadValve,
     /// The servo's gain changes, gradually within 100 control steps.
     Gain {
-    /// Percent of the command.
+        /// Percent of the command.
         percent: u32,
     },
     /// The specimen's stiffness changes: the force is scaled.
     Stiffness {
-    /// Percent of the original.
+        /// Percent of the original.
         percent: u32,
     },
     /// The servo's delay grows by this number of control steps.
@@ -95,7 +95,7 @@ pub enum InjectedFault {
     SensorFlickers,
     /// The force reading is scaled.
     ForceGain {
-    /// Percent of the true value.
+        /// Percent of the true value.
         percent: u32,
     },
     /// The servo valve opens fully by itself: the actuator moves one way at the valve's limit.
@@ -107,7 +107,7 @@ pub enum InjectedFault {
     CommandOpen,
     /// The reference of the external input converter is wrong: every reading is scaled.
     InputScale {
-    /// Percent of the true value.
+        /// Percent of the true value.
         percent: u32,
     },
     /// The external input converter ends its conversions but repeats the results of an earlier one.
@@ -134,14 +134,14 @@ pub enum InjectedFault {
     },
     /// The load cell is dead, and its amplifier hums at 50 Hz.
     HummingForce {
-    /// Amplitude, codes.
+        /// Amplitude, codes.
         codes: u32,
     },
     /// The external input converter takes 9 us for a conversion: its frame is read before the end.
     SlowInput,
     /// An exponent bit of a point of the ground motion flips: of 400 points, the one that gives the largest error below 6 m/s^2.
     TurnedPoint {
-    /// The first of the 400, from 0.
+        /// The first of the 400, from 0.
         from: u64,
     },
     /// The board is reset, and the external input converter's data line is dead from then on.

@@ -61,7 +61,7 @@ pub struct Edit {
     pub find: String,
     /// Its replacement.
     pub replace: String,
-    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
