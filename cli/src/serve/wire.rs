@@ -166,11 +166,10 @@ impl Sizes {
                     .into(),
             );
         }
-        let needed = 1 + control.iter().sum::<i32>();
-        if length < needed.max(1 + (axes * axes) as i32) {
+        let needed = 1 + control.iter().sum::<i32>().max((axes * axes) as i32);
+        if length < needed {
             return Err(format!(
-                "the client's messages of {length} numbers are too short: accepted are {} and more (-dataSize)",
-                needed.max((axes * axes) as i32)
+                "the client's messages of {length} numbers are too short: accepted are {needed} and more (-dataSize)"
             ));
         }
         Ok(Self {

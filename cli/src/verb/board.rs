@@ -216,7 +216,8 @@ impl Calibrate {
     /// A note for a person whose calibration would be lost at the next reset.
     fn not_kept(&self) -> Option<&'static str> {
         (self.changes() && !self.save).then_some(
-            "the board goes by this until its next reset, and then by what was saved before: --save keeps it, and              board.calibration = \"NUMBER\" in a test refuses any other",
+            "the board goes by this until its next reset, and then by what was saved before: --save keeps it, and \
+             board.calibration = \"NUMBER\" in a test refuses any other",
         )
     }
 }

@@ -83,13 +83,14 @@ impl Fault {
         self as u8
     }
 
-    /// Whether PERMIT has to fall at once. Where command, sensors and actuator are in order, the test ends on the deceleration
-    /// ramp: a command that stops in one step is harder on the specimen than the fault.
+    /// True if PERMIT must fall at once. If command, sensors and actuator are in order, the test ends on the deceleration
+    /// ramp instead: a command that stops in one step is harder on the specimen than the fault. A foreseen error of the rig
+    /// watch also ends on the ramp: [`OuterLoop::obey`](crate::OuterLoop::obey) decides that.
     pub const fn is_emergency(self) -> bool {
         !matches!(self, Self::EnergyRatio | Self::TargetLate | Self::LinkLost)
     }
 
-    /// In what order faults of one step count: emergencies first, then by their numbers.
+    /// Order of the faults of one step: emergencies first, then by number.
     pub const fn rank(self) -> (bool, u8) {
         (!self.is_emergency(), self.code())
     }
