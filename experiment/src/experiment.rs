@@ -234,12 +234,15 @@ impl Experiment {
     }
 
     /// The ideals of tests that differ from this one in their rigs only, in turn: faster than one by one, with the same
-    /// bits.
+    /// bits. Those of coupled actuators are worked out one by one.
     ///
     /// # Errors
     /// As of [`Experiment::ideal`].
-    pub fn ideals(&self, rigs: &[RigSpec]) -> Result<Vec<Response>, Failure> {
-        let rigs: Vec<RigSpec> = rigs.iter().map(RigSpec::ideal).collect();
+    pub fn ideals(&self, tests: &[&Self]) -> Result<Vec<Response>, Failure> {
+        if self.test.coupled.is_some() {
+            return tests.iter().map(|own| own.ideal()).collect();
+        }
+        let rigs: Vec<RigSpec> = tests.iter().map(|own| own.test.plant.ideal()).collect();
         self.responses(&rigs)
     }
 

@@ -12,6 +12,7 @@
 //! | [`frequency_response`](mod@frequency_response) | the frequency response of an actuator |
 //! | [`judged`] | a test that ran, with its figures |
 //! | [`compensation`] | what a test is run under |
+//! | [`drawn`](mod@drawn) | rigs drawn around the one of a test |
 //! | [`coupled`](mod@coupled) | what only tests of two coupled actuators have: declaration, record, figures |
 //! | [`soundness`] | if a test may be run: small motions of its loop, and the planned motion on the simulated rig |
 //! | [`stability`] | growth, damping and margins of small motions, from runs of the loop |
@@ -28,6 +29,7 @@ pub mod actuator_doubt;
 pub mod bench;
 pub mod compensation;
 pub mod coupled;
+pub mod drawn;
 mod experiment;
 pub mod failure;
 pub mod files;

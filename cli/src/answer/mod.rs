@@ -37,6 +37,6 @@ pub use improvement::of_improvements;
 pub use played::of_played;
 pub use section::TestSection;
 pub use served::{SessionSection, of_served};
-pub use sweep::{of_rigs, of_values};
+pub use sweep::{Drawn, of_rigs, of_values};
 pub use test::{of_demo, of_run};
 pub use witness::Witness;

@@ -8,17 +8,16 @@ use crate::document::plot::{
 use crate::document::{Document, Grade, table};
 use crate::many::{OneOfMany, Outcome, worst};
 use experiment::Experiment;
+use experiment::drawn::DrawnQuantity;
 use experiment::numbers::{length, percent, percent_or_lost, three};
-use experiment::stability::perturbed::Spread;
-use experiment::stability::variation::Variation;
 use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict};
 
 /// Colours of the compensations; more curves would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 /// Errors below this are drawn at it.
 const LEAST: f64 = 1e-6;
-/// Largest number of dots in a plot; beyond it the better tests are thinned out.
-const DOTS: usize = 4000;
+/// Dots of a page; where there are more, the best tests are thinned out.
+const DOTS: usize = 12_000;
 
 /// The error on a logarithmic axis of per cent: a lost test counts as 100 %.
 fn on_axis(error: f64) -> f64 {
@@ -124,14 +123,22 @@ fn usable(d: &mut Document, rows: &[OneOfMany], values: &[f64], compensations: &
     }
 }
 
-/// Tests on rigs drawn with `spread`; `worst`: the worst of them repeated, with its rig, for the page.
-pub fn of_rigs(
-    outcome: &Outcome,
-    spread: &Spread,
-    rows: &[OneOfMany],
-    rigs: &[Variation],
-    worst: Option<(&Variation, TestSection<'_>)>,
-) -> Document {
+/// Tests on drawn rigs.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a> {
+    /// What they came to.
+    pub outcome: &'a Outcome,
+    /// What of the rigs was drawn.
+    pub quantities: &'a [DrawnQuantity],
+    /// Each test.
+    pub rows: &'a [OneOfMany],
+    /// The factors of its rig, as many as there are quantities.
+    pub factors: &'a [Vec<f64>],
+}
+
+/// Tests on drawn rigs; `worst`: the worst of them again, with the factors of its rig, for the page.
+pub fn of_rigs(drawn: &Drawn<'_>, worst: Option<(&[f64], TestSection<'_>)>) -> Document {
+    let Drawn { outcome, rows, .. } = *drawn;
     let title = format!("One test on {} rigs", rows.len());
     let lead = format!(
         "{}, compensation **{}**, on rigs that are not quite the declared one. Each is judged by the same integration with an \
@@ -178,10 +185,11 @@ pub fn of_rigs(
         plot(TALL.of_percent(), below, "eps_rms [%]", &curve)
     });
     d.heading("Over what was drawn");
-    over_the_rigs(&mut d, spread, rows, rigs);
-    if let Some((rig, section)) = worst {
+    over_the_rigs(&mut d, drawn);
+    if let Some((factors, section)) = worst {
         d.heading("The worst of them");
-        let factors = FACTORS.map(|(name, factor)| vec![name.to_owned(), three(factor(rig))]);
+        let named = drawn.quantities.iter().zip(factors);
+        let factors = named.map(|(q, factor)| vec![q.name.clone(), three(*factor)]);
         d.on_page(|d| d.table(table(&["of the declared", "factor"]).with_rows(factors)));
         let caption = "Over the response of the same rig with an ideal actuator.";
         Figures::of(&section).response(&mut d, caption);
@@ -212,43 +220,41 @@ fn rigs_verdict(d: &mut Document, o: &Outcome) {
     );
 }
 
-/// A factor of a rig.
-type Factor = fn(&Variation) -> f64;
-
-const FACTORS: [(&str, Factor); 3] = [
-    ("times of the actuator", |v| v.delay),
-    ("gain of the actuator", |v| v.gain),
-    ("stiffness of the specimen", |v| v.stiffness),
-];
-
-/// The error over each drawn factor.
-fn over_the_rigs(d: &mut Document, spread: &Spread, rows: &[OneOfMany], rigs: &[Variation]) {
+/// The error over each of what was drawn.
+fn over_the_rigs(d: &mut Document, drawn: &Drawn<'_>) {
+    let Drawn {
+        quantities,
+        rows,
+        factors,
+        ..
+    } = *drawn;
     let error = |i: &usize| rows[*i].summary.error();
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|a, b| error(b).total_cmp(&error(a)));
-    let (worst, rest) = order.split_at(order.len().min(DOTS / 2));
-    let stride = rest.len().div_ceil(DOTS / 2).max(1);
+    let half = DOTS / 2 / quantities.len().max(1);
+    let (worst, rest) = order.split_at(order.len().min(half));
+    let stride = rest.len().div_ceil(half.max(1)).max(1);
     let shown: Vec<usize> = worst
         .iter()
         .chain(rest.iter().step_by(stride))
         .copied()
         .collect();
-    let dots = |colour: Colour, factor: Factor, lost: bool| {
+    let dots = |colour: Colour, quantity: usize, lost: bool| {
         let of = |i: &&usize| (rows[**i].summary.verdict != TestVerdict::Completed) == lost;
         let points = shown.iter().filter(of);
-        let points = points.map(|i| (factor(&rigs[*i]), on_axis(error(i))));
+        let points = points.map(|i| (factors[*i][quantity], on_axis(error(i))));
         Curve::new(colour, points.collect()).dots()
     };
     d.pair(|d| {
-        let deviations = [spread.delay, spread.gain, spread.stiffness];
-        for ((name, factor), deviation) in FACTORS.into_iter().zip(deviations) {
-            let caption = format!("A dot a test; standard deviation {}.", percent(deviation));
+        for (i, quantity) in quantities.iter().enumerate() {
+            let deviation = percent(quantity.deviation);
+            let caption = format!("A dot a test; standard deviation {deviation}.");
             d.figure(caption, || {
                 let curves = [
-                    dots(TESTED, factor, false).named("ran to its end"),
-                    dots(WRONG, factor, true).named("tripped or ran away"),
+                    dots(TESTED, i, false).named("ran to its end"),
+                    dots(WRONG, i, true).named("tripped or ran away"),
                 ];
-                let label = format!("{name}, of the declared [1]");
+                let label = format!("{}, of the declared [1]", quantity.name);
                 plot(HALF.of_percent(), &label, "eps_rms [%]", &curves)
             });
         }

@@ -59,18 +59,18 @@ pub struct Outcome {
 /// An experiment that cannot be run.
 pub fn run(
     groups: usize,
-    lay_out: impl Fn(usize) -> Vec<(f64, Experiment)> + Sync,
+    lay_out: impl Fn(usize) -> Result<Vec<(f64, Experiment)>, Failure> + Sync,
     compensations: &[Compensation],
     seed: impl Fn(f64) -> u64 + Sync,
     progress: &Progress,
 ) -> Result<Vec<OneOfMany>, Failure> {
     let group = |group: usize| -> Result<Vec<OneOfMany>, Failure> {
-        let experiments = lay_out(group);
+        let experiments = lay_out(group)?;
         let ideals = match &experiments[..] {
             [(_, one)] => vec![one.ideal()?],
             several => {
-                let plants: Vec<_> = several.iter().map(|(_, e)| e.test.plant.clone()).collect();
-                let first = several.first().map(|(_, e)| e.ideals(&plants));
+                let tests: Vec<_> = several.iter().map(|(_, e)| e).collect();
+                let first = tests.first().map(|first| first.ideals(&tests));
                 first.transpose()?.unwrap_or_default()
             }
         };

@@ -86,11 +86,6 @@ pub struct CommonArguments {
 }
 
 impl CommonArguments {
-    fn load(&self) -> Result<TestFile, Failure> {
-        note_seed(self.seed);
-        self.load_other(&self.test)
-    }
-
     /// The test file, with `[coupled]` or without.
     fn load_any(&self) -> Result<TestFile, Failure> {
         note_seed(self.seed);

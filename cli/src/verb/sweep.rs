@@ -8,10 +8,10 @@ use crate::provenance::WithProvenance;
 use crate::terminal::{Progress, interrupt};
 use experiment::Experiment;
 use experiment::compensation::Compensation;
+use experiment::drawn::DrawnRigs;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::stability::perturbed::Spread;
-use experiment::stability::variation::Variation;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -27,7 +27,8 @@ pub struct Sweep {
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "drawn")]
     over: Option<String>,
     /// Number of rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
-    /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %
+    /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %; of two coupled actuators those of [coupled.spread], and
+    /// of the specimen's damping 20 %
     #[arg(
         long,
         value_name = "RIGS",
@@ -84,14 +85,14 @@ impl MonteCarlo {
     }
 }
 
-/// Standard deviations of the rigs, as in `check`, but without that of the structure's damping.
+/// Standard deviations of the rigs, as `check` has them where nothing else is asked for.
 const SPREAD: Spread = Spread {
     plants: 0,
     seed: 0,
     delay: 0.10,
     gain: 0.02,
     stiffness: 0.05,
-    damping: 0.0,
+    damping: 0.20,
 };
 
 /// Tests whose ideal responses are computed together.
@@ -137,7 +138,7 @@ impl Sweep {
         let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
         let rows = {
             let progress = Progress::over("sweep", (steps * methods.len()) as u64);
-            let lay_out = |i: usize| vec![experiments[i].clone()];
+            let lay_out = |i: usize| Ok(vec![experiments[i].clone()]);
             let seed = |_| self.common.seed;
             many::run(experiments.len(), lay_out, &methods, seed, &progress)?
         };
@@ -173,16 +174,9 @@ impl Sweep {
         Ok(all)
     }
 
-    /// `tests` drawn rigs, requested by the option `option`.
-    fn on_drawn(&self, option: &str, tests: usize) -> Result<(), Failure> {
-        let names = ["report.html", "tests.csv", "monte-carlo.json"];
-        let out = look_ahead::folder(self.out.as_deref(), &names)?;
-        if !(1..=1_000_000).contains(&tests) {
-            return Err(Failure::input(format!(
-                "{option} {tests}: accepted are 1 to 1000000"
-            )));
-        }
-        let test = self.common.load()?;
+    /// The test that runs on drawn rigs, asked for by the option `option`, and its compensation.
+    fn one(&self, option: &str) -> Result<(Experiment, Compensation), Failure> {
+        let test = self.common.load_any()?;
         let (record, kind) = match (&self.record[..], &self.compensations[..]) {
             ([] | [_], []) => (self.record.first(), test.compensation()),
             ([] | [_], [name]) => (self.record.first(), test.compensation_named(name)?),
@@ -192,19 +186,30 @@ impl Sweep {
                 )));
             }
         };
-        let experiment = self
-            .common
-            .experiment(&test, record.map(PathBuf::as_path))?;
+        let record = record.map(PathBuf::as_path);
+        Ok((self.common.experiment(&test, record)?, kind))
+    }
+
+    /// The same test on `tests` drawn rigs.
+    fn on_drawn(&self, option: &str, tests: usize) -> Result<(), Failure> {
+        let names = ["report.html", "tests.csv", "monte-carlo.json"];
+        let out = look_ahead::folder(self.out.as_deref(), &names)?;
+        if !(1..=1_000_000).contains(&tests) {
+            return Err(Failure::input(format!(
+                "{option} {tests}: accepted are 1 to 1000000"
+            )));
+        }
+        let (experiment, kind) = self.one(option)?;
         let spread = Spread {
             plants: tests,
             seed: self.common.seed,
             ..SPREAD
         };
-        let rigs = spread.draw();
+        let rigs = DrawnRigs::around(&experiment, &spread);
         interrupt::watch();
         let began = Instant::now();
-        // A changed specimen is no error of the test: each rig has its own ideal.
-        let on_rig = |i: usize| (i as f64, experiment.on_rig(&rigs[i]));
+        // What is wrong with a specimen is no error of the test: each has its own ideal.
+        let on_rig = |i: usize| -> Result<_, Failure> { Ok((i as f64, rigs.test(i)?)) };
         let seed = |number: f64| self.common.seed.wrapping_add(number as u64);
         let rows = {
             let progress = Progress::over("tests", (experiment.control_steps() * tests) as u64);
@@ -218,16 +223,23 @@ impl Sweep {
             return require_all_ran(0, tests);
         }
         let outcome = outcome(&rows, kind.name(), began.elapsed().as_secs_f64());
-        let rigs: Vec<Variation> = rows.iter().map(|r| rigs[r.value as usize]).collect();
+        let factors = rows.iter().map(|r| rigs.factors(r.value as usize));
+        let factors: Vec<Vec<f64>> = factors.collect();
+        let drawn = answer::Drawn {
+            outcome: &outcome,
+            quantities: rigs.quantities(),
+            rows: &rows,
+            factors: &factors,
+        };
         let page = |with_page: bool| {
             if !with_page {
-                return Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, None));
+                return Ok(answer::of_rigs(&drawn, None));
             }
             // The worst test once more, with every step kept.
             let error = |i: &usize| rows[*i].summary.error();
             let worst = (0..rows.len()).max_by(|a, b| error(a).total_cmp(&error(b)));
             let worst = worst.unwrap_or(0);
-            let own = experiment.on_rig(&rigs[worst]);
+            let own = rigs.test(rows[worst].value as usize)?;
             let ideal = own.ideal()?;
             let run = own.run(kind, &ideal, seed(rows[worst].value), true, ())?;
             let kept = || Failure::test("the worst test kept no record");
@@ -237,8 +249,7 @@ impl Sweep {
                 trace: run.trace.as_ref().ok_or_else(kept)?,
                 ideal: &ideal,
             };
-            let worst = Some((&rigs[worst], section));
-            Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, worst))
+            Ok(answer::of_rigs(&drawn, Some((&factors[worst], section))))
         };
         hand_over_tests(
             (rows.len(), tests),
@@ -247,7 +258,7 @@ impl Sweep {
                 "monte-carlo.json",
                 &json(&WithProvenance::seeded(&outcome, self.common.seed))?,
             ),
-            || Ok(vec![("tests.csv", rigs_csv(&rows, &rigs))]),
+            || Ok(vec![("tests.csv", rigs_csv(&drawn))]),
             page,
         )?;
         require_all_ran(rows.len(), tests)
@@ -276,19 +287,17 @@ fn values_csv(rows: &[OneOfMany]) -> String {
     text
 }
 
-fn rigs_csv(rows: &[OneOfMany], rigs: &[Variation]) -> String {
-    let mut text = String::from(
-        "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
-    );
-    for (r, rig) in rows.iter().zip(rigs) {
+fn rigs_csv(drawn: &answer::Drawn<'_>) -> String {
+    let columns = drawn.quantities.iter().map(|q| format!("{},", q.column));
+    let columns: String = columns.collect();
+    let mut text = format!("test,{columns}verdict,eps_rms_1,eps_max_1\n");
+    for (r, factors) in drawn.rows.iter().zip(drawn.factors) {
         let s = &r.summary;
+        let factors: String = factors.iter().map(|f| format!("{f},")).collect();
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{}",
+            "{},{factors}{},{},{}",
             r.value,
-            rig.delay,
-            rig.gain,
-            rig.stiffness,
             s.verdict.name(),
             s.eps_rms,
             s.eps_max

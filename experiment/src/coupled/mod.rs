@@ -8,9 +8,11 @@
 //! | [`ideal`] | the motion with ideal actuators |
 //! | [`interface`] | the additional contents of its record, and sums over it: both systems of coordinates |
 //! | [`figures`] | the figures specific to such a test |
+//! | [`drawn`] | rigs that are drawn around the one of the file |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 //! | [`stop`] | whether it can be stopped at its fastest |
 
+pub(crate) mod drawn;
 pub mod figures;
 pub mod ideal;
 pub mod interface;

@@ -1,7 +1,8 @@
 //! Whether a test of two coupled actuators may be run: the verdict of any test, its limits, a stop, and drawn rigs.
 
 use super::stop;
-use super::table::{CoupledLimits, SpreadTable};
+use super::table::CoupledLimits;
+use crate::drawn::DrawnRigs;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::judged::JudgedRun;
@@ -10,10 +11,6 @@ use crate::soundness::{self, Judgement, SoundnessVerdict};
 use crate::stability::perturbed::Spread;
 use crate::summary::{POOR_EPS_RMS, Summary};
 use crate::trace::{Response, Trace};
-use plant::coupled::CoupledRigSpec;
-use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -74,7 +71,8 @@ pub fn check(
     one_done: impl Fn() + Sync,
 ) -> Result<CheckedTrial, Failure> {
     let part = e.test.coupled_part()?;
-    let spread = &of_declared(&part.declared.spread, spread);
+    let rigs = DrawnRigs::around(e, spread);
+    let spread = rigs.spread();
     let mut judgement = soundness::judge(e, spread, || ())?;
     let kind = e.test.compensation();
     let ideal = e.ideal()?;
@@ -86,7 +84,7 @@ pub fn check(
     let drawn = (0..spread.plants)
         .into_par_iter()
         .map(|i| {
-            let own = e.on_coupled_rig(differing(&part.rig, spread, i as u64))?;
+            let own = rigs.test(i)?;
             let summary = own
                 .run(kind, &own.ideal()?, spread.seed, false, ())?
                 .summary;
@@ -120,23 +118,6 @@ pub fn check(
         planned: run.summary.clone(),
     };
     Ok((check, ideal, run))
-}
-
-/// `spread` with those of the actuators' times and gains that the test file declares.
-fn of_declared(declared: &SpreadTable, spread: &Spread) -> Spread {
-    let times = [
-        declared.slow_pole_ratio,
-        declared.fast_pole_ratio,
-        declared.lead_ratio,
-        declared.path_lead_ratio,
-        declared.natural_ratio,
-    ];
-    let or = |declared: f64, asked| if declared > 0.0 { declared } else { asked };
-    Spread {
-        delay: or(times.into_iter().fold(0.0, f64::max), spread.delay),
-        gain: or(declared.gain_ratio, spread.gain),
-        ..*spread
-    }
 }
 
 /// Doubts about the planned motion under other noise.
@@ -186,41 +167,6 @@ fn near_a_limit(limits: &[LimitUse]) -> Option<String> {
         near.name,
         near.of
     ))
-}
-
-/// A rig with different parameters, drawn by `index`.
-fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledRigSpec {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(
-        spread.seed ^ (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15),
-    );
-    let mut factor = |share: f64| {
-        let normal: f64 = StandardNormal.sample(&mut random);
-        // Beyond three deviations it would be another machine; a time stays above a twentieth of itself.
-        (1.0 + share * normal.clamp(-3.0, 3.0)).max(0.05)
-    };
-    let mut rig = declared.clone();
-    let a = &mut rig.actuators;
-    for pole in a.slow_pole_hz.iter_mut().chain(&mut a.fast_pole_hz) {
-        *pole *= factor(spread.delay);
-    }
-    for time in a
-        .lead_ms
-        .as_flattened_mut()
-        .iter_mut()
-        .chain(a.path_lead_ms.as_flattened_mut())
-        .chain(&mut a.delay_ms)
-    {
-        *time *= factor(spread.delay);
-    }
-    a.natural_hz *= factor(spread.delay);
-    for gain in a.gain.as_flattened_mut() {
-        *gain *= factor(spread.gain);
-    }
-    let scale =
-        |m: &mut [[f64; 2]; 2], by: f64| m.as_flattened_mut().iter_mut().for_each(|x| *x *= by);
-    scale(&mut rig.specimen.stiffness, factor(spread.stiffness));
-    scale(&mut rig.specimen.damping, factor(spread.damping));
-    rig
 }
 
 /// What the first limits refer to.

@@ -143,7 +143,7 @@ impl TestFile {
         let test = Self::load_any(path, overrides)?;
         if test.coupled.is_some() {
             return Err(Failure::input(format!(
-                "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep --over, \
+                "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep, \
                  serve, replay and diff",
                 path.display()
             )));
