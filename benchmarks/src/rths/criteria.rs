@@ -50,8 +50,8 @@ impl<const L: usize> Spread<L> {
 fn peak<const L: usize>(largest: &mut [f64; L], x: &[f64; L]) {
     for l in 0..L {
         let a = x[l].abs();
-        // NaN is the largest of all, and stays.
-        if !(a <= largest[l]) && !largest[l].is_nan() {
+        // NaN is the largest of all: nothing exceeds it.
+        if a > largest[l] || a.is_nan() {
             largest[l] = a;
         }
     }
