@@ -28,7 +28,7 @@ pub struct Sweep {
     over: Option<String>,
     /// Number of rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
     /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %; of two coupled actuators those of [coupled.spread], and
-    /// of the specimen's damping 20 %
+    /// 20 % of the specimen's damping
     #[arg(
         long,
         value_name = "RIGS",
