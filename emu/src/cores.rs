@@ -255,6 +255,10 @@ impl Drop for Cores {
         if self.is_guarded {
             self.told(false);
         }
+        // A panic may have left a translation half made.
+        if std::thread::panicking() {
+            return;
+        }
         let ranges = self.ranges();
         let Some(mut processor) = self.guarded.take() else {
             return;
