@@ -185,6 +185,7 @@ pub fn said(s: &GradedRecord) -> String {
                 "none" => return None,
                 "effect" => effects.join("+"),
                 "ambiguous" => a.named().join("?"),
+                "partial" => format!("partial {}", effects.join("+")),
                 other => other.to_string(),
             };
             Some(format!("{}: {text}", c.name()))
