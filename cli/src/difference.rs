@@ -24,7 +24,7 @@ pub struct ChangedSetting {
     pub second: Value,
 }
 
-/// A figure of the summaries.
+/// A figure of both summaries.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FigurePair {
     /// Its key in `summary.json`.
@@ -57,7 +57,7 @@ pub struct ChannelDifference {
 /// Two tests that ran.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Difference {
-    /// What was set otherwise.
+    /// Settings that differ.
     pub settings: Vec<ChangedSetting>,
     /// Their figures.
     pub figures: Vec<FigurePair>,

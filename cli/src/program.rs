@@ -8,10 +8,10 @@ use std::process::ExitCode;
 #[derive(Parser, Debug)]
 #[command(name = "outerloop", version, about = "Runs and judges fast pseudodynamic tests", after_help = EXIT_STATUSES)]
 struct Arguments {
-    /// Print no tables, sentences or progress, only JSON where it is asked for and errors
+    /// Print no tables, sentences or progress, only JSON where it is asked for, notes and errors
     #[arg(short, long, global = true)]
     quiet: bool,
-    /// Replace also records of tests that cannot be made again: on a board, emulated or not, or stopped by hand
+    /// Replace also files that are otherwise kept, such as records of tests on a board, emulated or not, or stopped by hand
     #[arg(long, global = true)]
     force: bool,
     #[command(subcommand)]

@@ -17,8 +17,8 @@ pub struct DrawnQuantity {
     pub deviation: f64,
 }
 
-/// Rigs around the one of a test. Of two coupled actuators each number varies by itself, with the spread that the test file
-/// declares for it; of others all times of the actuator together.
+/// Rigs around the one of a test. Of two coupled actuators each number varies by itself, all times with the largest spread
+/// that the test file declares for one; of others all times of the actuator together.
 #[derive(Clone, Debug)]
 pub struct DrawnRigs<'a> {
     around: &'a Experiment,

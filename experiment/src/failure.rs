@@ -8,7 +8,7 @@ use std::process::ExitCode;
 pub const EXIT_STATUSES: &str = "\
 Exit status:
   0  done, and the result is good or fair
-  1  the test tripped, ran away, was stopped by hand, or is not the structure's response; check: doubtful; compare: no row is usable
+  1  the test tripped, ran away, was stopped by hand, or is not the structure's response; check, identify: doubtful; compare: no row is usable; improve: worse; replay, diff --within: different; Ctrl-C ended a series of tests early
   2  bad input, or output that cannot be written
   3  check: unstable";
 

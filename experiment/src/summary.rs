@@ -26,11 +26,12 @@ const LOCKED_SHARE: f64 = 0.2;
 pub enum TestVerdict {
     /// It ran to its end.
     Completed,
-    /// An interlock ended it.
+    /// An interlock or the rig watch ended it.
     Tripped,
-    /// It ran away: in the last fifth of the test the error was above the largest ideal displacement.
+    /// It ran away: in the last fifth of the test the error was above the largest ideal displacement, or the motion became so
+    /// large that the simulation was stopped.
     Diverged,
-    /// The operator ended it before its end.
+    /// Stopped before its end: by the operator, or by the PC because a board computed a step differently.
     Stopped,
 }
 
@@ -103,24 +104,24 @@ pub struct Summary {
     pub energy_error_hsem_j: f64,
     /// Cumulative Eq 6, J.
     pub energy_error_stiffness_j: f64,
-    /// Energy error that is left, relative to the energy in the test.
+    /// Remaining energy error, relative to the energy in the test.
     pub energy_ratio: f64,
     /// Share of the steps in which the structure counted as locked by its own added damping.
     pub locked_share: f64,
     /// Share of the steps in which the innovation did not fit the estimator's model of the rig.
     pub model_doubt_share: f64,
-    /// Where a simulated test that ran away was stopped, s of the laboratory.
+    /// When a simulated test that ran away was stopped, s of laboratory time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped_s: Option<f64>,
     /// Natural frequencies of the structure, Hz.
     pub natural_frequencies_hz: Vec<f64>,
     /// Factor on the ground motion.
     pub record_scale: f64,
-    /// What the rig watch had to say; none where it was off.
+    /// The report of the rig watch; null if it was off.
     pub watch: Option<WatchReport>,
     /// Seconds on the wall clock.
     pub wall_s: f64,
-    /// What a board reports.
+    /// What a board reports; only of a test on a board.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board: Option<OnBoard>,
     /// The fault with its value and limit.

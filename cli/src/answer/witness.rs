@@ -14,7 +14,7 @@ const AS_MUCH: f64 = 0.05;
 pub struct Witness {
     /// The file.
     pub file: String,
-    /// The column of it.
+    /// Its column in the file.
     pub column: String,
     /// What it says; empty where nothing was named.
     pub testimonies: Vec<Testimony>,

@@ -101,15 +101,15 @@ pub fn experiment(seconds: f64, rate_hz: u32) -> Result<Experiment, Failure> {
     Experiment::new(test, &near_fault(), Some(seconds))
 }
 
-/// How a row stands.
+/// The verdict on a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RowVerdict {
-    /// As it has to be.
+    /// The result is as required.
     Good,
-    /// Not so.
+    /// The result is not as required, or there is none because it failed.
     Bad,
-    /// It was not done, and why stands beside.
+    /// It was not done; `found` says why.
     NotDone,
 }
 
@@ -118,11 +118,11 @@ pub enum RowVerdict {
 pub struct DeskRow {
     /// What was done.
     pub what: String,
-    /// What came of it.
+    /// The result, or why there is none.
     pub found: String,
-    /// What has to come of it.
+    /// The required result; empty for a row that was not done.
     pub limit: String,
-    /// How it stands.
+    /// The verdict.
     pub verdict: RowVerdict,
 }
 

@@ -7,9 +7,9 @@ use super::value::ValueKind;
 pub struct Key {
     /// Its path, `loop.rate_hz`.
     pub path: String,
-    /// Its unit; `1` for a ratio or count, empty for a text.
+    /// Its unit; `1` for a plain number, empty for a text, a name, true or false, a matrix and tables.
     pub unit: &'static str,
-    /// What stands there where it is left out; `None`: it has to be given, or nothing is meant by leaving it out.
+    /// The value if it is left out, as written in a file; null where there is none: see `meaning`, of the key or of its table.
     pub default: Option<String>,
     /// What is accepted.
     pub accepted: String,

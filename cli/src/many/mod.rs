@@ -16,7 +16,7 @@ use serde::Serialize;
 /// One of many tests.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct OneOfMany {
-    /// The value of the key; the number of a drawn rig.
+    /// The value of the key, or the number of a drawn rig, from 0.
     pub value: f64,
     /// Largest displacement of any floor on an ideal rig, m.
     pub ideal_peak_m: f64,
@@ -25,29 +25,29 @@ pub struct OneOfMany {
     pub summary: Summary,
 }
 
-/// What tests on drawn rigs came to.
+/// The result of tests on drawn rigs.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Outcome {
     /// Under which compensation.
     #[serde(skip)]
     pub compensation: &'static str,
-    /// How many.
+    /// Number of tests.
     pub tests: usize,
     /// Cores that they ran on.
     pub threads: usize,
     /// Seconds on the wall clock.
     pub wall_s: f64,
-    /// Tests in a second of it.
+    /// Tests per second of this time.
     pub tests_per_s: f64,
-    /// Control steps in a second of it.
+    /// Control steps per second of this time.
     pub control_steps_per_s: f64,
     /// Tests that ran to their end.
     pub completed: usize,
-    /// The error that half of them stay below; infinite (null in JSON): lost.
+    /// The error that half of the tests stay below; infinite (null in JSON): lost.
     pub eps_rms_median: f64,
-    /// That 95 % of them stay below.
+    /// The error that 95 % of the tests stay below.
     pub eps_rms_95: f64,
-    /// The worst.
+    /// The largest error.
     pub eps_rms_worst: f64,
 }
 

@@ -79,9 +79,9 @@ pub struct CoordinateFigures {
     pub name: String,
     /// Largest target.
     pub peak: f64,
-    /// Measured less target at the targets: root mean square.
+    /// Measured minus target value at the targets: root mean square.
     pub tracking_rms: f64,
-    /// The largest of it.
+    /// The largest of these differences.
     pub tracking_max: f64,
 }
 
@@ -130,17 +130,17 @@ impl TestObserver for Ledger {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SessionVerdict {
-    /// The client said its last message.
+    /// The client ended the session with its last message.
     Completed,
-    /// The client asked for what is refused.
+    /// A message of the client was refused.
     Refused,
-    /// The client went away, or was silent.
+    /// The client disconnected, or was silent for too long.
     Lost,
     /// An interlock ended it.
     Tripped,
     /// The operator ended it.
     Stopped,
-    /// The rig or the board went away.
+    /// The rig or the board was lost.
     RigLost,
 }
 
@@ -151,11 +151,11 @@ pub struct SessionSummary {
     pub client: String,
     /// How it ended.
     pub verdict: SessionVerdict,
-    /// Why, where it is not completed.
+    /// Why, if it was not completed.
     pub reason: Option<String>,
     /// Name of the fault.
     pub trip: Option<&'static str>,
-    /// The PERMIT line after it; true, too, where a board is silent and nobody knows.
+    /// State of the PERMIT line at the end; also true if a board is silent, so that the state is unknown.
     pub permit: bool,
     /// Targets that were reached and answered.
     pub targets: usize,
@@ -169,15 +169,15 @@ pub struct SessionSummary {
     pub rate_hz: f64,
     /// Seconds on the wall clock, from the first target to the last answer.
     pub wall_s: f64,
-    /// Targets in a second of these.
+    /// Targets per second of this time.
     pub targets_per_s: f64,
     /// Largest target, m; of two actuators on one coupler, here and below, that of x.
     pub peak_displacement_m: f64,
-    /// Measured less target at the targets: root mean square, m.
+    /// Measured minus target displacement at the targets: root mean square, m.
     pub tracking_rms_m: f64,
-    /// The largest of it, m.
+    /// The largest of these differences, m.
     pub tracking_max_m: f64,
-    /// Of two actuators on one coupler the same of x and of the rotation.
+    /// With two actuators on one coupler: the same for x and for the rotation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub coordinates: Vec<CoordinateFigures>,
     /// Cumulative Eq 12, J.

@@ -102,7 +102,7 @@ impl Plain {
     }
 }
 
-/// Nothing but where it comes from.
+/// `board clear` answers with the provenance only.
 #[derive(Serialize, JsonSchema)]
 pub struct Cleared {}
 
@@ -112,13 +112,13 @@ struct Calibrate {
     /// The board's serial port, e.g. /dev/ttyACM0
     #[arg(long, value_name = "DEV")]
     port: String,
-    /// Of which actuator, from 1; to be said where the board has several and one is to be changed
+    /// The actuator, from 1; required to change one on a board with several
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
     actuator: Option<u8>,
-    /// The calibration to send, TOML as this command shows it
+    /// The calibration to send: a TOML file as this command prints it
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Make the present reading this value, m or N, e.g. displacement=0 or force=0
+    /// Set the zero so that the present reading is this value, in m or N, e.g. displacement=0 or force=0
     #[arg(long, value_name = "CHANNEL=VALUE")]
     zero: Vec<Zero>,
     /// Keep the calibration, and the test if there is one, across power-off

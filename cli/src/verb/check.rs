@@ -37,22 +37,22 @@ pub struct Check {
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
-    /// How many perturbed rigs
+    /// Number of perturbed rigs
     #[arg(long, default_value_t = 200)]
     plants: usize,
-    /// Seed of their draw
+    /// Seed of their draw and of the noise of the planned motion
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Standard deviation of the actuator's times, per cent; of two coupled ones where [coupled.spread] declares none
+    /// Standard deviation of the actuator's times, per cent; of two coupled ones only if [coupled.spread] has 0 for all times
     #[arg(long, default_value_t = 10.0, value_name = "PERCENT")]
     delay_spread: f64,
-    /// Standard deviation of the actuator's gain, per cent; of two coupled ones where [coupled.spread] declares none
+    /// Standard deviation of the actuator's gain, per cent; of two coupled ones only if coupled.spread.gain_ratio is 0
     #[arg(long, default_value_t = 2.0, value_name = "PERCENT")]
     gain_spread: f64,
     /// Standard deviation of the specimen's stiffness, per cent
     #[arg(long, default_value_t = 5.0, value_name = "PERCENT")]
     stiffness_spread: f64,
-    /// Standard deviation of the structure's damping, per cent
+    /// Standard deviation of the structure's damping, per cent; with two coupled actuators of the specimen's
     #[arg(long, default_value_t = 20.0, value_name = "PERCENT")]
     damping_spread: f64,
     /// Write report.html and check.json there
@@ -194,7 +194,7 @@ fn document(
     Ok(of_check(&section))
 }
 
-/// All that is found out, as JSON.
+/// The answer of `check --json`.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct CheckAnswer<'a> {
     #[serde(flatten)]

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 pub struct Compare {
     #[command(flatten)]
     common: CommonArguments,
-    /// A second recorded test; runs `diff`. The first is then a recorded test, too: folder of `run --out`, record.h5 or archive
+    /// A second recorded test: does the same as `diff`. Both are then the folder of `run --out`, its record.h5 or an archive
     #[arg(value_name = "SECOND", conflicts_with_all = ["record", "compensations", "duration", "overrides"])]
     second: Option<PathBuf>,
     /// A ground motion; may be given several times
@@ -31,7 +31,7 @@ pub struct Compare {
     /// Compensations, separated by commas; left out: all
     #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
     compensations: Vec<String>,
-    /// Write report.html and the rows as compare.json there
+    /// Write report.html and compare.json, the rows, there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

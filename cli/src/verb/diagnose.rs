@@ -34,19 +34,19 @@ pub struct Diagnose {
     /// Held-out record, which judges the answer and takes no part in the search; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
     test: Vec<FilePart>,
-    /// Data without motion, from which the noise is estimated; left out: looked for before and after the motion
+    /// Data without motion, for estimating the noise; left out: searched for before and after the motion
     #[arg(long, value_name = "FILE@T0..T1")]
     rest: Vec<FilePart>,
     /// Write the improved model there
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
-    /// Add a correction without a name to the model that is saved, where what remains depends on the motion clearly enough
-    /// on held-out data
+    /// Add a correction without a name to the saved model, if the remaining error depends clearly enough on the motion in
+    /// held-out data
     #[arg(long)]
     remainder: bool,
     /// Design the test that tells most about what is left open, and write its command there (time_s,command_mm). It
-    /// keeps the limits of the model's table [limits], else what the records have shown. Where no test can tell more,
-    /// none is written, and that is said
+    /// keeps the limits of the model's table [limits], else the range of the records. If no test can tell more, none is
+    /// written, and the answer says so
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
     /// An unused channel, such as a pressure, tested for the named effect: its file, and its column by name or number; may be given
@@ -202,20 +202,20 @@ pub(crate) struct DiagnosisAnswer<'a> {
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Designed<'a>>,
-    /// Why none is proposed, where one was asked for and none would tell more.
+    /// Why no next test was designed, where --next asked for one.
     #[serde(skip_serializing_if = "Option::is_none")]
     no_test: Option<&'a str>,
     #[serde(flatten)]
     beside: &'a Beside,
 }
 
-/// What other channels and other records say of the names.
+/// What other channels and other records say about the named effects.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Beside {
-    /// Channels that took no part.
+    /// Channels that took no part in the diagnosis (--witness).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     witness: Vec<Witness>,
-    /// Records in which one thing was turned.
+    /// Records at several settings of one adjustment (--dial).
     #[serde(skip_serializing_if = "Option::is_none")]
     dial: Option<Vec<Turned>>,
 }

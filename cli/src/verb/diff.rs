@@ -16,7 +16,7 @@ pub struct Diff {
     first: PathBuf,
     /// The second test
     second: PathBuf,
-    /// Exit with 1 where the computed displacement of a floor differs by more than this share of its peak, rms
+    /// Exit status 1 if the computed displacement of a floor differs by more than this share of its peak, rms
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     within: Option<f64>,
     /// Write report.html and difference.json there

@@ -24,10 +24,10 @@ pub struct Identify {
     /// The record, e.g. of `outerloop board commission`
     #[arg(value_name = "FILE[@T0..T1]")]
     record: FilePart,
-    /// Write the actuator into this test file: plant.actuator, and the delays that compensation and estimation begin with
+    /// Write the result into this test file: plant.actuator, compensation.delay_ms, estimation.delay_ms and lag_ms
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
-    /// Write a page into this folder: gain, phase, coherence, distortion and noise over frequency
+    /// Write report.html and response.json there: gain, phase, coherence, distortion and noise over frequency
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -95,12 +95,12 @@ impl Identify {
     }
 }
 
-/// What `--json` says.
+/// The answer of `identify --json`.
 #[derive(serde::Serialize, JsonSchema)]
 pub(crate) struct IdentifiedOverFrequency {
     #[serde(flatten)]
     found: Identified,
-    /// With `--out` alone.
+    /// Only with `--out`.
     #[serde(skip_serializing_if = "Option::is_none")]
     response: Option<FrequencyResponse>,
 }

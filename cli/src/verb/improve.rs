@@ -30,7 +30,8 @@ pub struct Improve {
     /// The declared model; left out: what the test file declares of its rig
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Write report.html, summary.json, and record.csv and model.toml of each test, there
+    /// Write report.html and summary.json there, and of each test its record, its model (unless the second test is worse) and
+    /// its designed tests
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

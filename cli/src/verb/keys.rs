@@ -82,7 +82,7 @@ fn document(groups: &[keys::Group], with_page: bool) -> Document {
 /// Print the JSON Schema of a file or of an answer
 #[derive(clap::Args, Debug)]
 pub struct Schema {
-    /// `test`, `model`, or the verb whose --json is meant; left out: what there is
+    /// `test`, `model`, or a verb for the answer of its --json; left out: prints all names
     what: Option<String>,
 }
 

@@ -38,10 +38,10 @@ use std::path::{Path, PathBuf};
 /// What is said on the command line of a ground motion that does not say it itself.
 #[derive(clap::Args, Debug)]
 pub struct MotionArguments {
-    /// Interval of a ground motion that has one acceleration a line, s
+    /// Sampling interval, s, of a ground motion file with one acceleration per line
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<f64>,
-    /// Unit of the accelerations in such a file
+    /// Unit of the accelerations in that file
     #[arg(long, value_name = "UNIT")]
     unit: Option<AccelerationUnit>,
 }

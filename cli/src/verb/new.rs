@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 /// Write a commented test file: asks for the structure and the rig, or copies an example
 #[derive(clap::Args, Debug)]
 pub struct New {
-    /// The file to write; an existing file is not overwritten
+    /// The file to write; an existing file is overwritten only with --force
     #[arg(default_value = "test.toml")]
     file: PathBuf,
-    /// Begin with this example instead of asking
+    /// Copy this example instead of asking
     #[arg(long, value_name = "EXAMPLE")]
     from: Option<Example>,
     /// Write a declared model for `outerloop diagnose` instead, with every key explained
@@ -80,7 +80,7 @@ fn band(text: &str) -> Result<[f64; 2], String> {
 enum Example {
     /// One degree of freedom on an actuator 4 ms late: the structure of Table 1 of the paper
     Table1,
-    /// A steel frame at its yield on a hydraulic actuator, with noise and a Kalman filter: the paper's own experiment
+    /// A steel frame at yield on a hydraulic actuator, with noise and a Kalman filter: the experiment of the paper
     SteelFrame,
     /// Three storeys, an actuator at each
     ThreeStorey,
@@ -88,7 +88,7 @@ enum Example {
     Hybrid,
     /// A frame on two coupled actuators: displacement and rotation
     CoupledFrame,
-    /// A servo-hydraulic ram that stands for a real one: the tutorial's
+    /// A servo-hydraulic ram in place of a real one, for the tutorial
     HydraulicRam,
 }
 

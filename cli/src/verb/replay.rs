@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Recompute an archived test and compare it bit by bit
 #[derive(clap::Args, Debug)]
 pub struct Replay {
-    /// The archive: the record.h5 of `run --out`, or the file of `run --archive`
+    /// The archive: the folder of `run --out`, its record.h5, or the file of `run --archive`
     archive: PathBuf,
     /// Write report.html and replay.json there
     #[arg(long, value_name = "DIR")]
@@ -35,10 +35,10 @@ pub struct ReplayResult {
     steps: usize,
     channels: usize,
     values_different: usize,
-    /// What is no longer as it was written.
+    /// Parts of the file that were changed after it was written.
     changed: Vec<String>,
     first_difference: Option<String>,
-    /// Names, values and corrections of the rig watch are what they were.
+    /// True if events and corrections of the rig watch are those of the archive.
     watch_same: bool,
     archived_by: String,
     replayed_by: String,

@@ -16,16 +16,16 @@ pub struct RigArguments {
     /// Run on the board at this serial port instead of the simulated rig
     #[arg(long, value_name = "DEV", conflicts_with = "emulated")]
     port: Option<String>,
-    /// Run on an emulated board: the image as it is flashed, with the simulated rig behind its converters. Builds both
-    /// the first time, some minutes
+    /// Run on an emulated board: the image as it is flashed, with the simulated rig behind its converters. The first time
+    /// it builds image and emulator, which takes some minutes
     #[arg(long)]
     emulated: bool,
-    /// Do not ask for confirmation between the approach and the start of a test on a board
+    /// Do not ask before a board is armed, nor between the approach and the start of the test
     #[arg(long, requires = "port")]
     yes: bool,
-    /// Where the pistons stand on their scales, mm, one for each actuator with commas between them, or none where none hangs on
-    /// the board; compared with what the board reads before it is armed, once. Needed with --yes where the test states no
-    /// `limits.disagree_m`
+    /// Positions of the pistons on their scales, mm, from actuator 1 on, separated by commas: the board is armed, once, if it
+    /// reads the same within 1 mm. `none` if no piston is connected. Needed with --yes, unless the board has one actuator and
+    /// the test states `limits.disagree_m`
     #[arg(long, value_name = "MM", requires = "yes", allow_hyphen_values = true)]
     piston_at: Option<PistonsAt>,
     /// The board has been armed with that.

@@ -280,7 +280,7 @@ fn take_into_account(path: &Path, test: &mut TestFile) -> Result<Vec<String>, Fa
     Ok(remarks)
 }
 
-/// What became of a signal.
+/// The result of a played signal.
 #[derive(Serialize, JsonSchema)]
 pub struct PlayedSignal<'a> {
     signal: &'a Path,

@@ -24,7 +24,7 @@ use std::time::Duration;
 pub struct Serve {
     /// The test file; its table [serve] says how the rig moves
     test: PathBuf,
-    /// Where clients connect to
+    /// Address and port for the clients
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8090")]
     listen: SocketAddr,
     /// Override a value of the test file, e.g. serve.pace=continuous
@@ -33,13 +33,13 @@ pub struct Serve {
     /// Seed of everything random in the simulated rig
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Serve one client, then end; exit status 1 if its test did not come to its end
+    /// Serve one client, then end; exit status 1 if its test was not completed
     #[arg(long)]
     once: bool,
     /// Write report.html, record.csv and summary.json there; later clients get folders of their own, DIR-2 and so on
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// One JSON object a client on standard output, a line each, and nothing else
+    /// One JSON object for each client, on a line of standard output, and nothing else
     #[arg(long)]
     json: bool,
     #[command(flatten)]

@@ -4,7 +4,7 @@ use experiment::failure::Failure;
 use experiment::files::plain;
 use std::io::Write;
 
-/// Print what a shell completes after `outerloop`
+/// Print a shell's completion script for `outerloop`
 #[derive(clap::Args, Debug)]
 pub struct Completions {
     /// bash, zsh, fish, powershell or elvish
@@ -23,7 +23,7 @@ impl Completions {
     }
 }
 
-/// The man page
+/// Print the man page
 #[derive(clap::Args, Debug)]
 pub struct ManPage;
 

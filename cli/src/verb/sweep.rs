@@ -27,8 +27,8 @@ pub struct Sweep {
     #[arg(long, value_name = "PATH=VALUES", required_unless_present = "drawn")]
     over: Option<String>,
     /// Number of rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
-    /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %; of two coupled actuators those of [coupled.spread], and
-    /// 20 % of the specimen's damping
+    /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %; with two coupled actuators its damping 20 %, and times and
+    /// gains by [coupled.spread] where that is above 0
     #[arg(
         long,
         value_name = "RIGS",
@@ -59,7 +59,7 @@ pub struct MonteCarlo {
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
-    /// How many tests
+    /// Number of drawn rigs, with one test each
     #[arg(long, default_value_t = 10_000)]
     tests: usize,
     /// Write report.html, tests.csv (each rig, and how its test ended) and monte-carlo.json there
@@ -98,7 +98,7 @@ const SPREAD: Spread = Spread {
 /// Tests whose ideal responses are computed together.
 const TOGETHER: usize = 4;
 
-/// What a sweep came to.
+/// The result of a sweep.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct SweepResult<'a> {
     /// Path of the key.

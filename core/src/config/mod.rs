@@ -226,7 +226,7 @@ impl Default for Estimation {
     }
 }
 
-/// Interlocks. A limit left out is off; only the check for finite numbers is always on.
+/// Interlocks. A limit left out is off; on a board most are derived from the planned test. Finite numbers are always checked.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -242,23 +242,24 @@ pub struct Limits {
     pub force_n: Option<f64>,
     /// Largest difference between sent command and measured displacement, m.
     pub tracking_m: Option<f64>,
-    /// Energy error relative to the energy put in: warning.
+    /// Energy error relative to the energy in the test: warning.
     pub energy_warning: Option<f64>,
-    /// Energy error relative to the energy put in: trip.
+    /// Energy error relative to the energy in the test: trip.
     pub energy_trip: Option<f64>,
     /// Energy below which the ratio is not formed, J; left out: the strain energy of the first storey at 1 mm.
     pub energy_floor_j: Option<f64>,
     /// Control steps for which a sample may be stale (not fresh, or frozen while the command moves).
     pub stale_steps: Option<u16>,
     /// Motion of the target, m, that a sensor standing still may hide before its samples count as frozen: some codes of
-    /// its converter. Left out: 0.1 mm.
+    /// its converter. Left out: 0.1 mm; on a board from its codes and the noise.
     pub frozen_m: Option<f64>,
     /// Largest difference between the displacement and the second displacement, m, where a second transducer is wired to
     /// read as the first: of the board's first actuator. Left out: they are not compared.
     pub disagree_m: Option<f64>,
     /// Motion of the displacement, m, over which a force that stays within 2 % of what the declared stiffness makes of it around
     /// zero (and up to 3 % more of declared noise), or wherever it is within two codes of 16 bits, counts as a dead load cell, of a
-    /// board. A test does not begin under more force than the stiffness makes of half of it. Left out: the force is not watched.
+    /// board. A test does not begin under more force than the stiffness makes of half of it. Left out: a quarter of the planned peak
+    /// for `run` on a board, else off.
     pub force_stands_m: Option<f64>,
     /// Added damping ratio, averaged over a natural period, above which the structure counts as locked.
     pub locked_damping_ratio: Option<f64>,

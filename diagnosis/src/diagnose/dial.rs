@@ -35,29 +35,29 @@ pub struct Dose {
     pub records: Vec<Recording>,
 }
 
-/// A number of the model over the doses.
+/// A number of the model over the settings of an adjustment.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DialNumber {
     /// Its name, which ends with its unit.
     pub name: String,
-    /// Whether it is the name's; else it is a declared one beside it.
+    /// Whether it belongs to the named effect; if not, it is a declared parameter.
     pub of_the_name: bool,
-    /// Its value, dose by dose.
+    /// Its value at each setting.
     pub values: Vec<f64>,
-    /// By how much the halves of a record differ, rms over the doses.
+    /// By how much it differs between the halves of a record, rms over the settings.
     pub halves_differ: f64,
-    /// Whether it goes one way with the dial, by more than the halves differ.
+    /// Whether it changes in one direction with the setting, by clearly more than the halves differ.
     pub follows: bool,
 }
 
-/// How a name and its numbers go with a dial.
+/// How a named effect and its numbers follow an adjustment.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Turned {
     /// The channel.
     pub channel: Channel,
     /// The name.
     pub name: Effect,
-    /// Where the dial stood, rising.
+    /// Settings of the adjustment, ascending.
     pub doses: Vec<f64>,
     /// The name that leaves least at each setting: the name itself, or what rivals it.
     pub names: Vec<Effect>,

@@ -44,12 +44,12 @@ pub struct FoundEffect {
     pub name: Effect,
     /// Its family.
     pub family: Family,
-    /// Expected share of false names among all names given with this confidence or more; none in a set, whose members
+    /// Expected share of false names among all names given with this confidence or more; null in a set, whose members
     /// have probabilities.
     pub q: Option<f64>,
-    /// How probable it is that the rig has it: `1 - q` of a name, of the preferred member of a set its share.
+    /// Probability that the rig has it: `1 - q` of a name; of the preferred member of a set its share.
     pub p: Option<f64>,
-    /// What may be in the rig in its place, the likeliest first; none in a set, whose members are each other's rivals.
+    /// What may be in the rig in its place, the likeliest first; empty in a set, whose members are each other's rivals.
     pub rivals: Vec<Member>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
@@ -173,7 +173,7 @@ pub struct Line {
     pub width_hz: f64,
     /// rms, in the channel's unit.
     pub rms: f64,
-    /// Whether it stands in a rest, too: then the motion does not bring it about.
+    /// Whether it is also present at rest: then the motion does not cause it.
     pub at_rest: bool,
 }
 
@@ -188,7 +188,7 @@ pub struct Remainder {
     pub lines: Vec<Line>,
 }
 
-/// A declared parameter as the record has it.
+/// A declared parameter, and its value from the record.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Refitted {
     /// Its name, ending with its unit.
@@ -287,7 +287,7 @@ pub struct ChannelAnswer {
     /// Where it is ambiguous, how probable each member of the set is, the preferred one first.
     pub members: Vec<Member>,
     /// How probable it is that something is missing that has no name here, as the search of the training data has it: of an actuator,
-    /// that its supply sags. None where the converter's steps are all that is left, and without a verdict.
+    /// that its supply sags. Null if the converter's steps are all that is left, and without a verdict.
     pub unnamed: Option<f64>,
     /// Whether `none` is said since what is left is what any sound position loop leaves beyond its delay and lag: an ordinary ram.
     pub ordinary: bool,
@@ -305,7 +305,7 @@ pub struct ChannelAnswer {
     pub error_before: Errors,
     /// Errors of the improved one.
     pub error_after: Errors,
-    /// 90 % interval of the fall of the held-out rms.
+    /// 90 % interval of the decrease of the held-out rms.
     pub improvement_ci90: [f64; 2],
     /// Errors of the improved model with the rest's own correction, which has no name, where one takes enough of it.
     pub error_with_remainder: Option<Errors>,

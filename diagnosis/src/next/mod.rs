@@ -33,7 +33,7 @@ use serde::Serialize;
 /// What one of the possible causes predicts of the next test.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Prediction {
-    /// What it has that the declared model lacks; none: nothing.
+    /// What it has that the declared model lacks; null: nothing.
     pub name: Option<Effect>,
     /// How probable it is, where the diagnosis says so.
     pub probability: Option<f64>,
@@ -41,7 +41,7 @@ pub struct Prediction {
     pub peak: f64,
     /// Area of its loops, input times answer: N mm for a specimen, mm^2 for an actuator.
     pub loop_area: f64,
-    /// rms of its difference from the first.
+    /// rms of its difference from the first candidate's answer.
     pub apart_rms: f64,
     /// The rms by which it stays apart from the nearest other, its numbers moved as far as the records let them be, over
     /// what the model leaves.
@@ -78,7 +78,7 @@ pub struct Outlook {
     /// What each possible cause predicts.
     pub candidates: Vec<Prediction>,
     /// How many times the squares of the right one a wrong one is expected to leave in the next test, at least: from
-    /// 2 on a name is certain. None where nothing rivals.
+    /// 2 on a name is certain. Null if it has no rival.
     pub squares_times: Option<f64>,
     /// By how many variances of what is left the nearest two differ at least, all samples of the next test taken together,
     /// ten neighbours as one. Where noise is all that is left, 100 of them decide.

@@ -42,7 +42,7 @@ impl Form {
 pub struct Phase {
     /// Its form.
     pub form: Form,
-    /// Largest way from the middle, mm.
+    /// Largest distance from the middle, mm.
     pub amplitude_mm: f64,
     /// Top speed, mm/s.
     pub speed_mm_per_s: f64,

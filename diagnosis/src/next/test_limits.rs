@@ -18,18 +18,18 @@ pub enum Origin {
     Record,
 }
 
-/// Between which places, how fast and with which force a test may go.
+/// The range, speed and force of a test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct TestLimits {
-    /// Middle of the way, mm.
+    /// Middle of the range of displacement, mm.
     pub middle_mm: f64,
-    /// Half of the way, mm.
+    /// Half of that range, mm.
     pub half_mm: f64,
     /// Top speed, mm/s.
     pub velocity_mm_per_s: f64,
-    /// Largest force of either sign, N; none where none is known.
+    /// Largest force of either sign, N; null if unknown.
     pub force_n: Option<f64>,
-    /// Where the way comes from.
+    /// Where the range of displacement comes from.
     pub displacement_from: Origin,
     /// Where the top speed comes from.
     pub velocity_from: Origin,

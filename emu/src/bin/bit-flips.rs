@@ -6,26 +6,26 @@ use emu::flips::{Table, Trials, run};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Bits that turn over while a test runs on the flashed image for one actuator and external converters
+/// Flip single bits while a test runs on the flashed image for one actuator and external converters
 #[derive(Parser, Debug)]
 #[command(version, about)]
 struct Arguments {
-    /// The image as it is flashed, an ELF file; without it the one that OUTERLOOP_IMAGE_16 names
+    /// The image as it is flashed, an ELF file; left out: the file that OUTERLOOP_IMAGE_16 names
     #[arg(long)]
     image: Option<PathBuf>,
     /// Number of flips
     #[arg(long, default_value_t = 2000)]
     flips: usize,
-    /// Of the dice
+    /// Seed of the random draw
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Processes at once
+    /// Number of simultaneous processes
     #[arg(long, default_value_t = 2)]
     jobs: usize,
-    /// Each flip on a line of its own, with its number, on standard error
+    /// Print each flip on a line of its own, with its number, on standard error
     #[arg(long)]
     each: bool,
-    /// This flip alone
+    /// Only the flip with this number, from 0
     #[arg(long)]
     number: Option<usize>,
 }

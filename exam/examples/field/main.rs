@@ -11,7 +11,7 @@
 //!   its `q`.
 //! - `--noise`: compares the stated noise of records without a rest with the true noise.
 //! - `--hidden`: compares what the best-fitting sound ram leaves of a faulty ram's record with the noise. Less than the noise
-//!   cannot be found.
+//!   cannot be found. With `--only` it needs `--rams`, too.
 //! - `--third`: has each specimen play a third motion and compares what the model found leaves of it with the noise.
 //! - `--settle=100`: for the first hundred rigs whose first record is ambiguous, plays up to two tests as `--next` designs them,
 //!   and up to two by the fixed advice of the notes.
@@ -30,11 +30,29 @@ use grading::GradedField;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
+/// Pairs of options of which one would be ignored.
+const EXCLUSIVE: [(&str, &str); 13] = [
+    ("--devices", "--rams"),
+    ("--devices", "--worlds"),
+    ("--rams", "--worlds"),
+    ("--only", "--worlds"),
+    ("--noise", "--worlds"),
+    ("--hidden", "--devices"),
+    ("--hidden", "--worlds"),
+    ("--third", "--devices"),
+    ("--third", "--rams"),
+    ("--third", "--worlds"),
+    ("--settle", "--devices"),
+    ("--settle", "--rams"),
+    ("--settle", "--worlds"),
+];
+
 /// Makes the rig of a seed.
 type World = fn(u64) -> Field;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    refuse_exclusive(&arguments);
     let list = arguments.iter().any(|a| a == "--list");
     let in_laboratories = arguments.iter().any(|a| a == "--devices");
     let in_rams = arguments.iter().any(|a| a == "--rams");
@@ -88,10 +106,6 @@ fn main() {
         return;
     }
     if arguments.iter().any(|a| a == "--third") {
-        assert!(
-            one == 0 && !in_worlds,
-            "--third plays on field rigs only: leave out --devices, --rams and --worlds"
-        );
         third::all(seeds, list);
         return;
     }
@@ -99,10 +113,6 @@ fn main() {
         .iter()
         .find_map(|a| a.strip_prefix("--settle=")?.parse().ok());
     if let Some(wanted) = wanted {
-        assert!(
-            !in_laboratories,
-            "--settle plays on field rigs only: leave out --devices"
-        );
         settle::all(seeds, wanted, list);
         return;
     }
@@ -135,6 +145,21 @@ fn main() {
     let seconds = aims::seconds(all.iter().map(|s| s.seconds));
     aimed.push((&aims::SECONDS, &seconds));
     println!("\n{} rigs\n\n{}", all.len(), aims::table(&aimed));
+}
+
+/// Refuses options of which one would be ignored.
+fn refuse_exclusive(arguments: &[String]) {
+    let given = |option: &str| {
+        arguments
+            .iter()
+            .any(|a| a.split('=').next() == Some(option))
+    };
+    for (one, other) in EXCLUSIVE {
+        assert!(
+            !(given(one) && given(other)),
+            "{one} and {other} exclude each other: leave out one of them"
+        );
+    }
 }
 
 /// How rams did by the field trial's measures: sound ones called sound, faults found, faults named wrongly.

@@ -20,9 +20,9 @@ const GAIN_SHARE: f64 = 0.01;
 /// The further inputs of a running test.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FurtherInputs {
-    /// Largest distance of a command as read back at its converter from the command as sent, m, of any actuator.
+    /// Largest difference between a command as read back at its converter and as sent, m, of any actuator.
     pub command_off_m: Option<f64>,
-    /// The same of each actuator, from the first; none where nothing is read back.
+    /// The same for each actuator, from the first; null where nothing is read back.
     pub commands_off_m: Vec<Option<f64>>,
     /// Of each actuator the command read back less the command sent in its first step, m.
     #[serde(skip)]

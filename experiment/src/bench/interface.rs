@@ -44,29 +44,29 @@ pub struct Ending {
     pub actuators: Option<Plant>,
 }
 
-/// What a board reports beside the test.
+/// What a board reports in addition to the test.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct OnBoard {
     /// Its name.
     pub board: String,
     /// Commit of its firmware.
     pub commit: String,
-    /// Control steps that were received since the test was in force on the board.
+    /// Control steps received since the test came into force on the board.
     pub steps_received: u64,
-    /// Steps missing between those.
+    /// Steps missing between them.
     pub steps_lost: u64,
-    /// Steps that the board could not send since it has power.
+    /// Steps that the board could not send since power-up.
     pub steps_dropped: Option<u32>,
-    /// Received steps whose record the PC could not work out again with the same bits.
+    /// Received steps for which the PC did not compute the same bits.
     pub steps_different: u64,
     /// Times of the control step on the board.
     #[schemars(with = "Option<std::collections::BTreeMap<String, u32>>")]
     pub timing: Option<Timing>,
-    /// Cycles of its processor in a second.
+    /// Clock of its processor, Hz.
     pub clock_hz: u32,
-    /// Why the link was lost, or why the PC has stopped the test by itself.
+    /// Why the link was lost, or why the PC stopped the test by itself.
     pub link: Option<String>,
-    /// What it records beside displacement and force, if it does.
+    /// What it records besides displacement and force; null: nothing.
     pub further: Option<FurtherInputs>,
     /// What it tripped on.
     #[serde(skip)]

@@ -36,7 +36,7 @@ pub struct FoundNumber {
     pub simulated: f32,
 }
 
-/// What stands beside the figures of other tests.
+/// Figures in addition to those of other tests.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CoupledFigures {
     /// What tripped: an actuator, x or the rotation.
@@ -47,13 +47,14 @@ pub struct CoupledFigures {
     pub eps_max_by_coordinate: Vec<f64>,
     /// Eq 18, coordinate by coordinate.
     pub eps_rms_by_coordinate: Vec<f64>,
-    /// Root mean square of true stroke less target, of the target's, by actuator; on a board of the stroke as read.
+    /// Root mean square of true stroke minus target, relative to that of the target, by actuator; on a board of the measured
+    /// stroke.
     pub tracking_rms_by_actuator: [f64; 2],
     /// Largest rotation of the interface, rad.
     pub peak_rotation_rad: f64,
     /// Largest force of each actuator, N.
     pub peak_actuator_force_n: [f64; 2],
-    /// What was found out about the actuators; empty where nothing is estimated.
+    /// What was found out about the actuators; empty if nothing is estimated.
     pub found: Vec<FoundNumber>,
 }
 

@@ -20,7 +20,7 @@ use serde::Serialize;
 pub struct LimitUse {
     /// Its key in `[coupled.limits]`.
     pub name: &'static str,
-    /// What it is of.
+    /// What it limits: an actuator, x or the rotation.
     pub of: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -32,17 +32,17 @@ pub struct LimitUse {
     pub share: f64,
 }
 
-/// What the check says. The keys that other checks have, too, mean the same.
+/// The answer of the check. Keys that other checks also have mean the same.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct CoupledCheck {
-    /// The verdict, and what it stands on.
+    /// The verdict and its reasons.
     #[serde(flatten)]
     pub judgement: Judgement,
-    /// Rigs that were drawn around the simulated one. They are part of the verdict where its actuators are those that are declared.
+    /// Number of rigs drawn around the simulated one. They count for the verdict if its actuators are the declared ones.
     pub plants: usize,
-    /// Of those, tests that tripped or ran away.
+    /// How many of their tests tripped or ran away.
     pub lost: usize,
-    /// eps_rms, worst of the drawn rigs on which the test went to its end.
+    /// Largest eps_rms on the drawn rigs on which the test ran to its end.
     pub drawn_eps_rms: f64,
     /// The limits.
     pub limits: Vec<LimitUse>,

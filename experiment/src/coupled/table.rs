@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct CoupledTable {
     /// How commands are made of targets: `none` sends the strokes of the target; `uncoupled` inverts each actuator alone;
-    /// `coupled-fixed` inverts both with their cross terms, as declared; `coupled` finds the actuators out as it goes.
+    /// `coupled-fixed` inverts both with their cross terms, as declared; `coupled` does so and identifies the actuators while the
+    /// test runs.
     #[serde(default)]
     pub compensation: CoupledCompensation,
     /// Noise of the readings of the strokes, mm rms; not below a thousandth of the largest stroke.
@@ -50,7 +51,7 @@ pub enum CoupledCompensation {
     Uncoupled,
     /// The inverse with cross terms, of the actuators as declared.
     CoupledFixed,
-    /// The same of the actuators as they are found to be.
+    /// The same, with the actuators as identified while the test runs.
     #[default]
     Coupled,
 }
@@ -118,7 +119,8 @@ pub struct PhysicalPart {
 }
 
 /// Relative standard deviations of what is declared of the actuators: what `coupled` estimates while the test runs. 0: taken
-/// as declared.
+/// as declared. The rigs that `check` and `sweep --drawn` draw vary all times by the largest of their ratios, or by 10 % if
+/// all are 0, and gains by `gain_ratio`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpreadTable {
@@ -132,11 +134,11 @@ pub struct SpreadTable {
     pub path_lead_ratio: f64,
     /// Of the natural frequency of the reaction frame, 0 to 0.5.
     pub natural_ratio: f64,
-    /// Of the gains, 0 to 0.5.
+    /// Of the gains, 0 to 0.5. At 0 the rigs that `check` and `sweep --drawn` draw vary by their default, 2 %.
     pub gain_ratio: f64,
 }
 
-/// What the rig may do, in both systems of coordinates; all of them have to be given, but for the last two.
+/// What the rig may do, in both systems of coordinates; all but the last four have to be given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledLimits {
@@ -146,7 +148,7 @@ pub struct CoupledLimits {
     pub velocity_m_per_s: f64,
     /// Largest force of an actuator, N.
     pub force_n: f64,
-    /// Largest difference between where an actuator is to be and where it is read to be, m.
+    /// Largest difference between target and measured stroke of an actuator, m.
     pub tracking_m: f64,
     /// Largest displacement of the interface, m.
     pub x_m: f64,

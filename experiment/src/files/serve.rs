@@ -4,7 +4,7 @@ use outerloop_core::Pace;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The `[serve]` table of a test file.
+/// The `[serve]` table: how `outerloop serve` moves the rig, and the units on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// How the command allows for telling distortion from noise.
+/// How the command allows distortion to be told from noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Excitation {
@@ -29,11 +29,11 @@ pub struct DistortionLine {
     pub hz: f64,
     /// The linear answer, mm.
     pub linear_mm: f64,
-    /// Orders 2 and 4, mm; `None`: a line of odd order.
+    /// Orders 2 and 4, mm; null: a line of odd order.
     pub even_mm: Option<f64>,
-    /// Orders 3 and 5, mm; `None`: a line of even order.
+    /// Orders 3 and 5, mm; null: a line of even order.
     pub odd_mm: Option<f64>,
-    /// What would be read as distortion were there nothing but noise, mm.
+    /// What noise alone would show as distortion, mm.
     pub noise_mm: f64,
 }
 

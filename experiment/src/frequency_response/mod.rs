@@ -28,7 +28,7 @@ use serde::Serialize;
 pub struct FrequencyResponse {
     /// Lines at which the command moves, ascending.
     pub lines: Vec<ResponseLine>,
-    /// What is no linear answer; `None`: the command is neither a sweep nor periodic, so that it cannot be told from noise.
+    /// Distortion; null: the command is neither a sweep nor periodic, so that distortion cannot be told from noise.
     pub distortion: Option<Distortion>,
 }
 

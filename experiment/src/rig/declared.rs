@@ -22,7 +22,7 @@ pub enum Expected {
     Compensation,
     /// The simulated rig itself: in a laboratory nobody knows it that well.
     Truth,
-    /// Nowhere: the default.
+    /// The default; nothing states it.
     Default,
 }
 

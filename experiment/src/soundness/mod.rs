@@ -35,11 +35,11 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The answer. In this order the exit status is 0, 1 and 2.
+/// The answer. In this order the exit status is 0, 1 and 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SoundnessVerdict {
-    /// It may be run; its error is the expected one.
+    /// It may be run; its error is the expected one, `expected_eps_rms`.
     Stable,
     /// It may run away, or its result would not be the structure's.
     Doubtful,
@@ -70,7 +70,7 @@ impl SoundnessVerdict {
     }
 }
 
-/// A verdict with what it stands on.
+/// A verdict and its reasons.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Judgement {
     /// The answer.
@@ -79,9 +79,9 @@ pub struct Judgement {
     pub reason: String,
     /// eps_rms of the planned motion on the rig as it is; infinite (null in JSON) where it does not run to its end.
     pub expected_eps_rms: f64,
-    /// The larger of those on the two rigs that differ from it.
+    /// The larger eps_rms on the two rigs that differ from it; infinite (null in JSON) likewise.
     pub expected_eps_rms_differing: f64,
-    /// What the rig watch says of the planned motion on the rig as it is, and what it would name; none where it is off.
+    /// What the rig watch says of the planned motion on the rig as it is, and what it would name; null if it is off.
     pub watch: Option<WatchReport>,
 }
 

@@ -40,7 +40,7 @@ pub struct SmallMotions {
     pub compensation: &'static str,
     /// True if all of them decay.
     pub stable: bool,
-    /// Larger motions do what small ones do: the loop is linear but for its specimen.
+    /// True if larger motions do what small ones do: nothing in the loop but its specimen is nonlinear.
     pub decides: bool,
     /// What the fastest growing one grows by, 1/s of model time; negative: all decay; infinite (null in JSON): it was stopped
     /// before its growth could be read.

@@ -12,14 +12,14 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A quantity, its limit and what is between.
+/// A quantity, its limit and the margin between them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
     /// Where small motions begin to grow; null: nowhere within the range that was searched.
     pub limit: Option<f64>,
-    /// What is left of it, per cent of the present value; negative: it is beyond.
+    /// Distance to the limit, per cent of the present value; negative: beyond it; null: no limit, or no present value above 0.
     pub margin_percent: Option<f64>,
 }
 

@@ -39,7 +39,7 @@ use small_motion::Learning;
 use structure_modes::StructureModes;
 use variation::Variation;
 
-/// What is found out about a test.
+/// The stability of a test.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Stability {
     /// The compensation that was asked about, and its small motions.
@@ -62,14 +62,14 @@ pub struct Stability {
     pub limits: StabilityLimits,
     /// Where the delay comes from.
     pub delay_budget: Vec<DelayPart>,
-    /// The worst of many rigs.
+    /// The perturbed rigs.
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
     pub alternatives: Vec<SmallMotions>,
     /// Why small motions grow; `None` where they do not.
     #[serde(skip)]
     pub reason: Option<String>,
-    /// What else is to be known.
+    /// Notes.
     pub notes: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// How rigs differ from the declared one: standard deviations, as fractions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Spread {
-    /// How many.
+    /// Number of rigs.
     pub plants: usize,
     /// Seed of the draw.
     pub seed: u64,
@@ -24,14 +24,14 @@ pub struct Spread {
     pub gain: f64,
     /// Of the specimen's stiffness.
     pub stiffness: f64,
-    /// Of the structure's damping.
+    /// Of the structure's damping; with two coupled actuators of the specimen's.
     pub damping: f64,
 }
 
-/// What was found.
+/// What was found on them.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Perturbed {
-    /// Which rigs.
+    /// How they were drawn.
     pub spread: Spread,
     /// On how many of them a small motion grows.
     pub unstable: usize,

@@ -16,7 +16,7 @@ pub struct Variation {
     pub gain: f64,
     /// Factor on the stiffness of the specimen.
     pub stiffness: f64,
-    /// Factor on the damping of the structure.
+    /// Factor on the damping of the structure; with two coupled actuators of the specimen.
     pub damping: f64,
 }
 

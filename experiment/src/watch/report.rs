@@ -15,16 +15,17 @@ pub struct NamedCause {
     /// Of which actuator, from 1, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub actuator: Option<usize>,
-    /// How much, in `unit`: what is more than declared.
+    /// How much more than declared, in `unit`.
     pub value: f64,
     /// Its unit; empty for a share.
     pub unit: &'static str,
     /// Interval of 90 %.
     pub ci90: [f64; 2],
-    /// True of a noise, a hum or a reading that stands: a sensor shows it by itself, so it is there beside whatever else is in the set.
+    /// True of a noise, a hum or a reading that stands still: a sensor shows it by itself, so it is present whichever other cause
+    /// of the set is the right one.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub beside: bool,
-    /// How much of it the loop corrects for.
+    /// How much of it the loop corrects for, in `unit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected: Option<f64>,
 }
@@ -36,7 +37,7 @@ pub struct WatchEvent {
     pub t_s: f64,
     /// The state from then on.
     pub state: &'static str,
-    /// The causes that the motion does not tell apart, and what a sensor shows beside them.
+    /// The causes that the motion does not distinguish, and what a sensor shows by itself.
     pub set: Vec<NamedCause>,
     /// True if the loop corrects for one of them.
     pub corrected: bool,
@@ -81,18 +82,18 @@ pub struct Watchable {
 /// What the diagnosis of the record behind the first name says of the names. The keys are a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Agreement {
-    /// True if it names a cause of any set, from the first to the last; none where it cannot be asked.
+    /// True if it names a cause of any set, from the first to the last; null if it could not be asked.
     pub agrees: Option<bool>,
     /// Whether, and why not, in a sentence.
     pub sentence: String,
 }
 
-/// What the watch had to say of a test. The keys are a contract.
+/// The report of the rig watch on a test. The keys are a contract.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WatchReport {
     /// The state at the end.
     pub state: &'static str,
-    /// Every change; the last holds what had settled at the end.
+    /// Every change; the last one is what had settled by the end.
     pub events: Vec<WatchEvent>,
     /// Every correction, 20 a second while it moves.
     #[serde(skip_serializing_if = "Vec::is_empty")]

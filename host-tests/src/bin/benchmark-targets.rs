@@ -8,8 +8,8 @@ use host_tests::targets::{GOAL_HEAD, Goal, goals};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Judge answers of `outerloop benchmark rths --json` and `benchmark marths --json` by what was asked for: exit status 1 where
-/// something is missed, 2 for bad input
+/// Judge answers of `outerloop benchmark rths --json` and `benchmark marths --json` by their targets: exit status 1 if a target
+/// is missed, 2 for bad input
 #[derive(Parser, Debug)]
 struct Arguments {
     /// rths.json or marths.json of the command's --out, or `-` for an answer on standard input

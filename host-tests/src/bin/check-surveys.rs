@@ -27,38 +27,38 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Survey {
-    /// Compare the verdicts with what the tests then do: exit status 1 where a test was called stable and ran away
+    /// Compare the verdicts with what the tests then do: exit status 1 if a test was called stable and ran away
     Verdicts {
         /// How many rigs
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
         rigs: u64,
-        /// Of two coupled actuators instead
+        /// Draw rigs with two coupled actuators instead
         #[arg(long)]
         coupled: bool,
-        /// Ask the check of the actuators as they are declared, and run the tests on those that the rig has
+        /// Let `check` know the declared actuators only, and run the tests on the true ones
         #[arg(long, requires = "coupled")]
         as_declared: bool,
     },
-    /// Ask the rig watch about this many sound tests, and about others in which something goes wrong: the table of its targets. Exit
-    /// status 1 where one of them is missed by more than docs/rig-watch-validation.md says, and by more than chance
+    /// Run the rig watch on this many sound tests, and on others in which something goes wrong: the table of its targets. Exit
+    /// status 1 if one of them is missed by more than docs/rig-watch-validation.md says, and by more than chance
     Watch {
         /// How many sound tests
         #[arg(default_value_t = 3000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
         sound: u64,
-        /// How many in which something goes wrong
+        /// How many tests in which something goes wrong
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
         faulty: u64,
-        /// Write file and ground motion of one test of the survey of this seed into this folder instead, and how to run it
+        /// Instead, write test file and ground motion of one test of this survey into this folder, and print how to run it
         #[arg(long, value_name = "DIR")]
         write: Option<PathBuf>,
-        /// Which test of its lot, from 0
+        /// Number of this test in its lot, from 0
         #[arg(long, default_value_t = 0, requires = "write")]
         number: u64,
-        /// Of which lot
+        /// Lot of this test
         #[arg(long, value_enum, default_value_t = watch::Lot::Sound, requires = "write")]
         lot: watch::Lot,
     },
-    /// What the rig watch says of third-party records of actuators, beside the diagnosis of the same records
+    /// Compare what the rig watch says of third-party records of actuators with the diagnosis of the same records
     Records,
     /// Try the interlocks on this many sound tests, and on a quarter as many in which something breaks
     Monitor {

@@ -20,15 +20,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Parser)]
-#[command(about = "Sets the exam of the diagnosis and prints how it did")]
+#[command(about = "Set the diagnosis its exam and print the result")]
 struct Arguments {
-    /// Seeds, the end excluded; every class starts at the beginning. Without it: the tuning range.
+    /// Seeds A..B, without B; every class starts at A. Left out: the tuning range
     #[arg(long, value_parser = range, conflicts_with = "sealed")]
     seeds: Option<Range<u64>>,
-    /// The seeds that were never looked at, for figures that are reported
+    /// The seeds that are never looked at in development, for reported figures
     #[arg(long)]
     sealed: bool,
-    /// At most so many records of a class
+    /// At most this many records of each class
     #[arg(long)]
     records: Option<u64>,
     /// A quick exam: every effect once by each set of equations
@@ -40,16 +40,16 @@ struct Arguments {
     /// Only records that hide this effect
     #[arg(long, value_parser = effect)]
     hides: Option<String>,
-    /// Lists every record whose answer was not exact
+    /// List every record whose answer was not exact
     #[arg(long)]
     list: bool,
-    /// Writes all figures and marks into this file as well
+    /// Also write all figures and marks into this file
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Only writes the questions into this folder
+    /// Only write the questions into this folder
     #[arg(long)]
     export: Option<PathBuf>,
-    /// Grades the answers in this file: one JSON object a line, `{"record": "unseen-12", "answer": {...}}`
+    /// Grade the answers in this file: one JSON object per line, `{"record": "unseen-12", "answer": {...}}`
     #[arg(long)]
     answers: Option<PathBuf>,
 }

@@ -95,12 +95,12 @@ fn aimed(kinds: &BTreeMap<String, Kind>, seconds: &[Figure]) -> String {
     aims::table(&[(&aims::OPENSEES, &laws), seconds])
 }
 
-/// What the diagnosis says of records with known causes
+/// Diagnose records with known causes
 #[derive(Parser, Debug)]
 struct Arguments {
-    /// Those alone; left out: all
+    /// Only these cases; left out: all
     cases: Vec<String>,
-    /// A folder with a cases.toml; left out: the open records from outside
+    /// A folder with a cases.toml; left out: the open third-party records
     #[arg(long)]
     folder: Option<PathBuf>,
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 /// Which test proves what the firmware promises.
 #[derive(Parser)]
 struct Arguments {
-    /// Print the page; without it, what is missing.
+    /// Print the page; left out: print what is missing
     #[arg(long)]
     markdown: bool,
 }

@@ -23,7 +23,7 @@ struct Arguments {
     /// Storeys, of which the lowest stands in the laboratory.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3))]
     storeys: u8,
-    /// Watched, with an actuator at each storey.
+    /// With the rig watch, and an actuator at each storey.
     #[arg(long)]
     watched: bool,
     /// Rows of each table.

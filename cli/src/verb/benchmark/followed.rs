@@ -5,7 +5,7 @@ use benchmarks::rths::bench::{criteria, criteria_schema};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// What the commands of a table came to, with rows of either problem.
+/// How a table of commands was judged; rows of either problem.
 #[derive(Serialize, JsonSchema)]
 pub struct Followed<R> {
     pub(super) rules: String,

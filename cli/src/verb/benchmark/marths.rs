@@ -21,17 +21,17 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What was found; pairs are actuator 1 and 2, or x and rotation.
+/// The answer; pairs are actuator 1 and 2, or x and rotation.
 #[derive(Serialize, JsonSchema)]
 pub struct MarthsAnswer<'a> {
     rules: &'static str,
     seed: u64,
-    /// Drawn plants a controller.
+    /// Drawn plants for each controller and record.
     plants: usize,
     rows: &'a [MarthsRow],
     /// What J1 to J9 mean.
     criteria: [&'static str; 9],
-    /// The model that is subtracted as physical, where it is not the problem's.
+    /// The model that is subtracted as physical; null: the problem's own.
     model: Option<&'a Path>,
     declared_part: Vec<DeclaredByRecord<'a>>,
     seconds: f64,
@@ -66,10 +66,10 @@ pub(super) struct Marths {
     /// Judge a table of commands for a table of targets: columns time_s, target_m, target2_m, command_m, command2_m
     #[arg(long, value_name = "FILE", conflicts_with_all = ["targets", "model"])]
     follow: Option<PathBuf>,
-    /// Drawn plants for each record
+    /// Drawn plants for each controller and record
     #[arg(long, default_value_t = 20)]
     plants: usize,
-    /// Draw of the sensors' noise
+    /// Seed of the sensors' noise; the drawn plants are always the same
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// One JSON object on standard output and nothing else

@@ -21,20 +21,20 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What was found; pairs of a name and a figure are J1 to J9.
+/// The answer; pairs of a name and a figure are J1 to J9.
 #[derive(Serialize, JsonSchema)]
 pub struct RthsAnswer<'a> {
     rules: String,
     seed: u64,
-    /// Perturbed plants a case.
+    /// Perturbed plants for each case.
     plants: usize,
     /// The controllers whose mean J4 is the least.
     best: Vec<String>,
     rows: &'a [RthsRow],
-    /// The nominal plant with a specimen that loses stiffness and strength, where it was asked for.
+    /// The nominal plant with a specimen that loses stiffness and strength; without `--specimen` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     degrading: Option<&'a [RthsRow]>,
-    /// With one that slips around zero beside that.
+    /// The same with a specimen that also slips around zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pinched: Option<&'a [RthsRow]>,
     seconds: f64,
@@ -47,7 +47,7 @@ pub(super) struct Rths {
     /// Rules: the problem's own, or a simpler set in which core integrates, the numerical part is nominal and criteria are root mean squares
     #[arg(long, default_value = "official", value_name = "official|own")]
     rules: String,
-    /// Deviations of published codes, separated by commas: no-unit-delay, nominal-numerical-part, root-mean-square,
+    /// Deviations from the problem in published codes, separated by commas: no-unit-delay, nominal-numerical-part, root-mean-square,
     /// half-scale, judged-by-estimate, uniform-plants, core-integrates
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     deviate: Vec<String>,
@@ -58,7 +58,7 @@ pub(super) struct Rths {
     /// Records of the problem, separated by commas: ElCentro, Kobe, Morgan; left out: all
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     records: Vec<String>,
-    /// Another ground motion; may be given several times
+    /// A ground motion in place of the problem's; may be given several times
     #[arg(long, value_name = "FILE", conflicts_with = "records")]
     record: Vec<PathBuf>,
     /// The folder of data; left out: OUTERLOOP_DATA, else ../shared/data

@@ -19,28 +19,28 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Move an actuator by a signal and record it; with several actuators one after the other, while the others stand
+/// Move an actuator by a signal and record it; several actuators move one after the other, while the rest stand still
 #[derive(Args, Debug)]
 #[command(group(clap::ArgGroup::new("place").args(["port", "emulated"]).required(true)))]
 pub(super) struct Commission {
-    /// The test file, whose limits are in force
+    /// The test file, whose limits apply
     test: PathBuf,
     #[command(flatten)]
     place: RigArguments,
-    /// The actuator that is moved, from 1, of a board with several; left out, each of them in its turn
+    /// The actuator to move, from 1; left out: each actuator of the board in turn
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
     actuator: Option<u8>,
-    /// Seed of everything random in that rig
+    /// Seed of everything random in the simulated rig (--emulated)
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Shape of the signal, constant, sine or chirp; or a file with time_s and command_mm, such as `diagnose --next` writes,
-    /// which has its own amplitude, length and frequencies
+    /// Shape of the signal: constant, sine or chirp; or a file with time_s and command_mm, such as `diagnose --next` writes,
+    /// to which the next four options do not apply
     #[arg(long, value_name = "SHAPE|FILE", default_value = "chirp")]
     signal: Wanted,
     /// Largest displacement, mm
     #[arg(long, value_name = "MM", default_value_t = 5.0)]
     amplitude_mm: f32,
-    /// Length, s, rise and fall of half a second included
+    /// Length, s, including half a second of rise and of fall
     #[arg(long, value_name = "S", default_value_t = 30.0)]
     seconds: f32,
     /// Frequency of the sine, or at the start of the chirp, Hz
@@ -49,8 +49,8 @@ pub(super) struct Commission {
     /// Frequency at the end of the chirp, Hz
     #[arg(long, value_name = "HZ", default_value_t = 10.0)]
     to_hz: f32,
-    /// The recording, CSV, which `outerloop identify` reads; where each of several actuators is moved, NAME-1.csv and so on,
-    /// and what was found of them in NAME-actuators.toml
+    /// The record, a CSV file for `outerloop identify`; if each of several actuators is moved, NAME-1.csv and so on, and the
+    /// results in NAME-actuators.toml
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -20,29 +20,29 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Show what a bare board with four wires does (docs/desk.md): period, methods, a whole test, saves, crashes; on a page
+/// Test a bare board with four wires (docs/desk.md): period, methods, a whole test, saves, crashes; write a page
 #[derive(Args, Debug)]
 #[command(group(clap::ArgGroup::new("place").args(["port", "emulated"]).required(true)))]
 pub(super) struct Desk {
     #[command(flatten)]
     place: RigArguments,
-    /// The image of the board: nucleo_f429zi, with the chip's own converters, or nucleo_f429zi_16, with external ones; left out:
-    /// the one on the board, and emulated the first
+    /// The image: nucleo_f429zi (the chip's own converters) or nucleo_f429zi_16 (external converters); left out: any of them on
+    /// a board, nucleo_f429zi with --emulated
     #[arg(long, value_name = "NAME", value_parser = image)]
     image: Option<Image>,
     /// How long the board idles at each rate, s
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
-    /// The methods that have a test each, separated by commas; left out: all
+    /// Methods, each with a test of its own, separated by commas; left out: all, and `paper` joined to each predictor
     #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
     methods: Vec<String>,
-    /// How long the whole closed loop is, s
+    /// Length, s, of the whole closed-loop test
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = seconds)]
     duration: f64,
-    /// Debug-probe helper, called with `drill N` or `reset`
+    /// Program that operates a debug probe; called with `drill N` or `reset`
     #[arg(long, value_name = "PROGRAM", conflicts_with = "emulated")]
     probe: Option<PathBuf>,
-    /// A line for the page, e.g. the board's number and the hash of what was flashed; as many as are wanted
+    /// A line for the page, e.g. the board's number and the hash of the flashed image; may be given several times
     #[arg(long, value_name = "TEXT")]
     note: Vec<String>,
     /// Folder for the page (report.html) and its figures (desk.json)
@@ -71,7 +71,7 @@ fn image(name: &str) -> Result<Image, String> {
     })
 }
 
-/// What desk.json has.
+/// The contents of desk.json.
 #[derive(Serialize, JsonSchema)]
 pub struct DeskAnswer<'a> {
     board: &'a Identity,

@@ -23,7 +23,7 @@ pub enum CoupledVerdict {
     Effect,
     /// Entries are wrong, and others explain the record as well.
     Ambiguous,
-    /// Entries are wrong, and much of the force is left with them put right.
+    /// Entries are wrong, and with them put right much of the force is still unexplained.
     Partial,
     /// The force is not that of constant matrices, declared or any.
     Unknown,
@@ -32,9 +32,9 @@ pub enum CoupledVerdict {
 /// An entry that is not what it was declared to be.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WrongEntry {
-    /// The matrix, [`MATRICES`].
+    /// The matrix: `stiffness`, `damping` or `mass`.
     pub matrix: &'static str,
-    /// The coordinate whose motion it is a force by.
+    /// The coordinate whose motion causes the force.
     pub by: String,
     /// Its unit.
     pub unit: &'static str,
@@ -89,7 +89,7 @@ pub struct CoordinateAnswer {
     pub error_after: Errors,
     /// By how much the error on test data fell, 90 %.
     pub improvement_ci90: [f64; 2],
-    /// In plain sentences.
+    /// Notes in plain sentences.
     pub notes: Vec<String>,
     /// For plots.
     #[serde(skip)]
@@ -99,9 +99,9 @@ pub struct CoordinateAnswer {
 /// What is wrong in a declared specimen of several coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CoupledDiagnosis {
-    /// How long it took.
+    /// How long it took, s.
     pub seconds: f64,
-    /// Motion and forces were compared up to here.
+    /// Motion and forces were compared up to this frequency, Hz.
     pub cutoff_hz: f64,
     /// Coordinate by coordinate.
     pub coordinates: Vec<CoordinateAnswer>,
