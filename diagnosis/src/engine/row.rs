@@ -225,7 +225,7 @@ impl Row {
             Form::Effect(c) => (c.shapes)(&sizes.scales)
                 .iter()
                 .enumerate()
-                .map(|(i, s)| (i, s.low > 0.0, [s.low, s.high]))
+                .map(|(i, s)| (i, s.low > 0.0 && s.high > SEVERAL * s.low, [s.low, s.high]))
                 .collect(),
         }
     }
@@ -242,6 +242,9 @@ impl Row {
         }
     }
 }
+
+/// A shape moves by factors if its range spans more than this one; the frequency of a line does not.
+const SEVERAL: f64 = 2.0;
 
 /// Presliding displacements over which friction builds up after a reversal, by an unknown law.
 const BUILDS_UP: f64 = 4.0;
