@@ -9,7 +9,7 @@ use super::specimen::{SpecimenData, SpecimenModelFit};
 use rayon::prelude::*;
 
 /// If some model's structure is below this fraction of the noise, the rig is described by the table.
-const ONE_OF_THE_TABLE: f64 = 0.5;
+pub const ONE_OF_THE_TABLE: f64 = 0.5;
 /// Number of samples that count as one: noise is not white, and no law is exact.
 const COUNT_AS_ONE: f64 = 8.0;
 /// Most evidence that samples can give against a model, nats.

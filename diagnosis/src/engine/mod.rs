@@ -67,6 +67,11 @@ const FAR_BELOW: f64 = 14.0;
 
 /// Number of leading models that are also tried with free functions added.
 const BESIDE_FREE: usize = 10;
+/// Most names of a model that describes a rig down to the noise by more than chance.
+const DESCRIBE: usize = 2;
+/// Price of a law without a name beyond that of such a model, nats: one rig in twenty.
+const NAMED_INSTEAD: f64 = 3.0;
+
 /// Searches a specimen's channel and decides; `None` if no model can be fitted.
 pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
@@ -107,7 +112,20 @@ fn nameless(
             ..(*fit).clone()
         })
     };
-    let fits: Vec<_> = leading.par_iter().filter_map(beside).collect();
+    let mut fits: Vec<_> = leading.par_iter().filter_map(beside).collect();
+    // One or two names that leave nothing but noise are likelier than a law without a name.
+    let described = leading.iter().filter(|f| {
+        let mut names = f.names.clone();
+        names.sort_by_key(|n| *n as usize);
+        names.dedup();
+        (1..=DESCRIBE).contains(&names.len()) && f.evidence.left_rms() < exact::ONE_OF_THE_TABLE
+    });
+    let price = described.map(|f| f.evidence.price);
+    let price = NAMED_INSTEAD + price.fold(f64::INFINITY, f64::min);
+    if price.is_finite() {
+        fits.iter_mut()
+            .for_each(|f| f.evidence.price = f.evidence.price.max(price));
+    }
     let mut all: Vec<_> = fits.into_iter().flat_map(|f| candidates(data, f)).collect();
     all.iter_mut().for_each(|c| c.nameless = true);
     all
