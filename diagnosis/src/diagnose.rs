@@ -78,9 +78,18 @@ pub fn diagnose(
             test,
             rest,
         };
+        let declared = improved.clone();
         let mut answer = channel.judge(&mut improved);
+        let smooth = channel.away_from_corners(&mut answer, &declared, &mut improved);
+        let [train, test] = smooth
+            .as_ref()
+            .map_or([train, test], |[train, test]| [train, test]);
+        let channel = ChannelDiagnosis {
+            train,
+            test,
+            ..channel
+        };
         channel.check_none_on_held_out(&mut answer);
-        channel.allow_for_corners(&mut answer);
         noise_floor::limit_floor(&mut answer, f64::INFINITY);
         let lines = channel.lines_in_place_of_noise(&mut answer);
         channel.analyse_residual(&mut answer, lines);

@@ -103,3 +103,15 @@ fn a_sound_channel_is_not_unknown_for_a_hum_in_its_input_or_the_colour_of_its_no
         assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
     }
 }
+
+/// A frequency of the mains between two bins; a mass, and a mass beside a dead zone, where an actuator's start makes corners;
+/// two laws that a free function of the displacement replaces.
+#[test]
+fn a_hum_a_mass_at_corners_and_two_springs_are_named_down_to_the_noise() {
+    let ids = ["two-7200074", "two-7200108", "two-7200038", "two-7200031"];
+    let items = ids.map(|id| Item::from_id(id).unwrap());
+    let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    for s in &all {
+        assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
+    }
+}
