@@ -245,23 +245,34 @@ fn modes(a: &Stability) -> Table {
     t
 }
 
-fn margins(a: &Stability) -> Table {
+fn margin(percent: Option<f64>) -> String {
+    percent.map_or_else(|| "-".into(), |m| format!("{m:.1} %"))
+}
+
+fn found(limit: Option<f64>, said: &dyn Fn(f64) -> String) -> String {
+    limit.map_or_else(|| "none found".into(), said)
+}
+
+/// A row for each name with its limit and unit.
+pub(super) fn limits(rows: &[(&str, &StabilityLimit, &str)]) -> Table {
     let mut t = table(&["", "present", "limit", "margin"]);
-    let margin = |percent: Option<f64>| percent.map_or_else(|| "-".into(), |m| format!("{m:.1} %"));
-    let found = |limit: Option<f64>, said: &dyn Fn(f64) -> String| {
-        limit.map_or_else(|| "none found".into(), said)
-    };
-    let mut row = |name: &str, l: &StabilityLimit, unit: &str| {
+    for (name, l, unit) in rows {
         let said = |x: f64| format!("{x:.3}{unit}");
         t.add_row([
-            name.to_owned(),
+            (*name).to_owned(),
             said(l.present),
             found(l.limit, &said),
             margin(l.margin_percent),
         ]);
-    };
-    row("delay", &a.limits.delay, " ms");
-    row("loop gain", &a.limits.gain, "");
+    }
+    t
+}
+
+fn margins(a: &Stability) -> Table {
+    let mut t = limits(&[
+        ("delay", &a.limits.delay, " ms"),
+        ("loop gain", &a.limits.gain, ""),
+    ]);
     let needed = a.limits.time_scale_needed;
     t.add_row([
         "time scale".to_owned(),

@@ -1,12 +1,13 @@
 //! A check of two coupled actuators, and the further figures of their test.
 
-use super::check::{expected, said};
+use super::check::{expected, limits, said};
 use super::figures::Figures;
 use super::section::{TestSection, lead};
 use super::summaries::{rotation, tracking};
 use crate::document::{Document, table};
 use experiment::Experiment;
 use experiment::coupled::figures::CoupledFigures;
+use experiment::coupled::margins::CoupledMargins;
 use experiment::coupled::planned::CoupledCheck;
 use experiment::numbers::{percent, percent_or_lost, si};
 use experiment::trace::{Response, Trace};
@@ -48,6 +49,7 @@ pub(super) fn tiles(c: &CoupledFigures) -> [(String, String); 2] {
 pub fn of_coupled_check(
     experiment: &Experiment,
     c: &CoupledCheck,
+    margins: &CoupledMargins,
     planned: Option<(&Trace, &Response)>,
 ) -> Document {
     let title = format!("May this test be run? {}", c.planned.record);
@@ -94,6 +96,12 @@ pub fn of_coupled_check(
         c.lost,
         percent(c.drawn_eps_rms)
     ));
+    d.heading("Margins");
+    d.table(limits(&[
+        ("delay of the later actuator", &margins.delay, " ms"),
+        ("factor on all gains", &margins.gain, ""),
+    ]));
+    d.say("Beyond a limit, of which the loop is not told, the planned motion is lost or has an error above 10 % rms.");
     if let Some((trace, ideal)) = planned {
         let section = TestSection {
             experiment,

@@ -13,6 +13,7 @@ use crate::verb::benchmark::{
 };
 use crate::verb::board::{Cleared, DeskAnswer};
 use crate::verb::check::CheckAnswer;
+use crate::verb::coupled::CoupledCheckAnswer;
 use crate::verb::diagnose::DiagnosisAnswer;
 use crate::verb::effects::ListedEffect;
 use crate::verb::identify::IdentifiedOverFrequency;
@@ -21,7 +22,6 @@ use crate::verb::replay::ReplayResult;
 use crate::verb::run::PlayedSignal;
 use crate::verb::sweep::SweepResult;
 use diagnosis::{CoupledDiagnosis, Model};
-use experiment::coupled::planned::CoupledCheck;
 use experiment::summary::Summary;
 use link::reply::Identity;
 use link::status::Status;
@@ -47,7 +47,7 @@ pub const SCHEMAS: [NamedSchema; 26] = [
     ("run-signal", of::<PlayedSignal<'static>>),
     ("compare", of::<ComparedRows>),
     ("check", of::<CheckAnswer<'static>>),
-    ("check-coupled", of::<CoupledCheck>),
+    ("check-coupled", of::<CoupledCheckAnswer<'static>>),
     ("sweep", of::<SweepResult<'static>>),
     ("monte-carlo", of::<Outcome>),
     ("diagnose", of::<DiagnosisAnswer<'static>>),

@@ -5,11 +5,14 @@ use crate::answer::of_coupled_check;
 use crate::provenance::WithProvenance;
 use crate::terminal::Progress;
 use experiment::Experiment;
-use experiment::coupled::planned;
+use experiment::coupled::margins::{self, CoupledMargins};
+use experiment::coupled::planned::{self, CoupledCheck};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
 use experiment::files::test::TestFile;
 use experiment::stability::perturbed::Spread;
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::Path;
 
 /// Refuses options that do not apply to such a test.
@@ -49,12 +52,21 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
     if let Some(name) = asked.compensation {
         experiment = experiment.under(test.compensation_named(name)?)?;
     }
+    let seed = asked.spread.seed;
     let (mut check, ideal, run) = {
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, &asked.spread, || progress.add(1))?
     };
     check.judgement.add_alternatives(&experiment)?;
-    let text = json(&WithProvenance::seeded(&check, asked.spread.seed))?;
+    let margins = {
+        let progress = Progress::over("margins", margins::RUNS);
+        margins::of(&experiment, seed, |runs| progress.add(runs))?
+    };
+    let whole = CoupledCheckAnswer {
+        check: &check,
+        margins,
+    };
+    let text = json(&WithProvenance::seeded(&whole, seed))?;
     hand_over(
         (asked.out, asked.json),
         ("check.json", &text),
@@ -65,9 +77,18 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
                 .as_ref()
                 .filter(|_| page)
                 .map(|trace| (trace, &ideal));
-            Ok(of_coupled_check(&experiment, &check, planned))
+            Ok(of_coupled_check(&experiment, &check, &margins, planned))
         },
     )?;
     let (verdict, reason) = (check.judgement.verdict, &check.judgement.reason);
     verdict.outcome(format!("{}: {reason}", verdict.name()))
+}
+
+/// All that is found out, as JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct CoupledCheckAnswer<'a> {
+    #[serde(flatten)]
+    check: &'a CoupledCheck,
+    /// By how much the loop may be later and stronger.
+    margins: CoupledMargins,
 }

@@ -4,7 +4,7 @@ pub mod benchmark;
 pub mod board;
 pub mod check;
 pub mod compare;
-mod coupled;
+pub(crate) mod coupled;
 pub mod demo;
 pub mod diagnose;
 pub mod diff;

@@ -523,6 +523,52 @@ fn drawn_rigs_are_those_of_the_check_and_say_by_what_they_differ() {
     assert!(page.contains("The worst of them") && page.contains("gain.1.0, of the declared"));
 }
 
+/// A margin ends where a rig that is as much later or stronger makes the planned motion poor, and knowing more of the actuators
+/// leaves more of it.
+#[test]
+fn the_margins_of_a_check_are_where_the_planned_motion_becomes_poor() {
+    let duration = ["--set", "excitation.duration_s=8"];
+    let margins = |compensation: &str| {
+        let check = ["check", EXAMPLE, "--plants", "1", "--json"];
+        let of = ["--compensation", compensation];
+        let said = outerloop(&[&check[..], &of, &duration].concat());
+        let said: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+        ["delay", "gain"].map(|name| {
+            let found = |key: &str| said["margins"][name][key].as_f64().unwrap();
+            (found("present"), found("limit"))
+        })
+    };
+    let [delay, gain] = margins("coupled");
+    println!("{delay:?} {gain:?}");
+    assert_eq!((delay.0, gain.0), (2.0, 1.0));
+    let poor = |keys: [String; 2]| {
+        let [first, second] = keys.each_ref().map(String::as_str);
+        let run = ["run", EXAMPLE, "--json", "--set", first, "--set", second];
+        let said = outerloop(&[&run[..], &duration].concat());
+        let said: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+        said["verdict"] != "completed" || said["eps_rms"].as_f64().unwrap() > 0.1
+    };
+    let rig = |ms: f64, factor: f64| {
+        let [a, b, c, d] = [0.88, 0.128, 0.143, 0.91].map(|gain| factor * gain);
+        poor([
+            format!("plant.coupled.actuators.delay_ms=[{ms},{ms}]"),
+            format!("plant.coupled.actuators.gain=[[{a},{b}],[{c},{d}]]"),
+        ])
+    };
+    assert!(!rig(2.0 + 0.95 * (delay.1 - 2.0), 1.0));
+    assert!(rig(2.0 + 1.05 * (delay.1 - 2.0), 1.0));
+    assert!(!rig(2.0, 1.0 + 0.95 * (gain.1 - 1.0)));
+    assert!(rig(2.0, 1.0 + 1.05 * (gain.1 - 1.0)));
+    // Without compensation the motion is lost as it is: nothing is left.
+    assert!(
+        margins("none")
+            .iter()
+            .all(|(present, limit)| present == limit)
+    );
+    let fixed = margins("coupled-fixed");
+    assert!(fixed[0].1 < delay.1 && fixed[1].1 < gain.1, "{fixed:?}");
+}
+
 #[test]
 fn a_sweep_has_the_figures_of_each_test() {
     let over = "coupled.actuators.slow_pole_hz.0=2.65,2.8";

@@ -9,6 +9,7 @@
 //! | [`interface`] | the additional contents of its record, and sums over it: both systems of coordinates |
 //! | [`figures`] | the figures specific to such a test |
 //! | [`drawn`] | rigs that are drawn around the one of the file |
+//! | [`margins`] | how much later and stronger its loop may become |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 //! | [`stop`] | whether it can be stopped at its fastest |
 
@@ -16,6 +17,7 @@ pub(crate) mod drawn;
 pub mod figures;
 pub mod ideal;
 pub mod interface;
+pub mod margins;
 pub mod part;
 pub mod planned;
 pub mod settings;

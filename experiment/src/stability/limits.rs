@@ -17,14 +17,15 @@ use serde::Serialize;
 pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
-    /// Where small motions begin to grow; null: nowhere within the range that was searched.
+    /// Where small motions begin to grow, of two coupled actuators where the planned motion becomes poor; null: nowhere within
+    /// the range that was searched.
     pub limit: Option<f64>,
     /// Distance to the limit, per cent of the present value; negative: beyond it; null: no limit, or no present value above 0.
     pub margin_percent: Option<f64>,
 }
 
 impl StabilityLimit {
-    fn new(present: f64, limit: Option<f64>) -> Self {
+    pub(crate) fn new(present: f64, limit: Option<f64>) -> Self {
         Self {
             present,
             limit,
@@ -108,9 +109,11 @@ pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<Stabili
     let period_s = std::f64::consts::TAU / structure.omega[0] * question.config.timing.time_scale;
     let delay = if now {
         let shortest = 0.5 / question.config.timing.rate_hz;
-        beyond(shortest, LONGEST_PERIODS * period_s, |s| stable(later(s)))?
-            .map(|s| late_ms(later(s)))
-            .transpose()?
+        beyond(shortest, LONGEST_PERIODS * period_s, BISECTIONS, |s| {
+            stable(later(s))
+        })?
+        .map(|s| late_ms(later(s)))
+        .transpose()?
     } else {
         // Scale all times of the actuator together.
         below(1.0, 1e-3, |f| stable(sooner(f)))?
@@ -118,7 +121,10 @@ pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<Stabili
             .transpose()?
     };
     let gain = if now {
-        beyond(0.01, MOST, |extra| stable(stronger(1.0 + extra)))?.map(|extra| 1.0 + extra)
+        beyond(0.01, MOST, BISECTIONS, |extra| {
+            stable(stronger(1.0 + extra))
+        })?
+        .map(|extra| 1.0 + extra)
     } else {
         below(1.0, 1e-3, |g| stable(stronger(g)))?
     };
@@ -168,9 +174,10 @@ pub fn over_delay(
 
 /// The value above 0 up to which `stable` holds, searched in growing steps from `from`, at most to `to`; a rig that is
 /// refused ends the search.
-fn beyond(
+pub(crate) fn beyond(
     from: f64,
     to: f64,
+    bisections: usize,
     stable: impl Fn(f64) -> Result<bool, Failure>,
 ) -> Result<Option<f64>, Failure> {
     let (mut good, mut step) = (0.0, from);
@@ -178,7 +185,7 @@ fn beyond(
         let next = f64::min(good + step, to);
         match stable(next) {
             Ok(true) => {}
-            Ok(false) => return bisect(good, next, stable).map(Some),
+            Ok(false) => return bisect(good, next, bisections, stable).map(Some),
             Err(_) => return Ok(None),
         }
         if next >= to {
@@ -202,7 +209,7 @@ fn below(
             return Ok(None);
         }
         match stable(next) {
-            Ok(true) => return bisect(next, bad, stable).map(Some),
+            Ok(true) => return bisect(next, bad, BISECTIONS, stable).map(Some),
             Ok(false) => bad = next,
             Err(_) => return Ok(None),
         }
@@ -212,9 +219,10 @@ fn below(
 fn bisect(
     mut good: f64,
     mut bad: f64,
+    bisections: usize,
     stable: impl Fn(f64) -> Result<bool, Failure>,
 ) -> Result<f64, Failure> {
-    for _ in 0..BISECTIONS {
+    for _ in 0..bisections {
         let middle = 0.5 * (good + bad);
         if stable(middle)? {
             good = middle;
@@ -253,7 +261,7 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
             }
             if !stable(next)? {
                 // The slower side is stable: the sides are reversed.
-                return bisect(good, next, stable).map(Some);
+                return bisect(good, next, BISECTIONS, stable).map(Some);
             }
             good = next;
         }
@@ -262,7 +270,7 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
     while bad < 1e3 {
         let next = bad * 1.3;
         if stable(next)? {
-            return bisect(next, bad, stable).map(Some);
+            return bisect(next, bad, BISECTIONS, stable).map(Some);
         }
         bad = next;
     }
