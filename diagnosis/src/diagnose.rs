@@ -77,6 +77,7 @@ pub fn diagnose(
             train,
             test,
             rest,
+            whole: None,
         };
         let declared = improved.clone();
         let mut answer = channel.judge(&mut improved);

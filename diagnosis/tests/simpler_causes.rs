@@ -299,6 +299,19 @@ fn what_a_mass_feels_at_corners_of_the_motion_is_no_unknown_and_friction_beside_
         .collect();
     let rubs = asked(&both);
     assert_ne!(rubs.verdict, Verdict::None, "{}", said(&rubs));
+    // Nor is it lost where the load cell is off within its tolerance, so that a rest is not at zero.
+    model.specimen.as_mut().expect("a specimen").offset_n = Some(Declared {
+        value: 0.0,
+        tolerance: 200.0,
+    });
+    let rest = vec![0.0; (3.0 / H) as usize];
+    let x = [&rest[..], &x, &rest].concat();
+    let off: Vec<f64> = [&rest[..], &both, &rest].concat();
+    let off: Vec<f64> = off.iter().map(|f| f + 300.0).collect();
+    let [train, test] = recorded(&x, &off);
+    let found = diagnose(&model, &[train], &[test], &[]).expect("an answer");
+    let rubs = &found.channels[0];
+    assert_ne!(rubs.verdict, Verdict::None, "{}", said(rubs));
 }
 
 /// What a spring loses behind a gap of a width whose corners are round.

@@ -98,10 +98,14 @@ pub fn of_coupled_check(
     ));
     d.heading("Margins");
     d.table(limits(&[
-        ("delay of the later actuator", &margins.delay, " ms"),
+        (
+            "delay of the later actuator, both later by as much",
+            &margins.delay,
+            " ms",
+        ),
         ("factor on all gains", &margins.gain, ""),
     ]));
-    d.say("Beyond a limit, of which the loop is not told, the planned motion is lost or has an error above 10 % rms.");
+    d.say("The loop does not know of the change. Beyond the limit the planned motion is lost or its error exceeds 10 % rms.");
     if let Some((trace, ideal)) = planned {
         let section = TestSection {
             experiment,

@@ -84,11 +84,11 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
     verdict.outcome(format!("{}: {reason}", verdict.name()))
 }
 
-/// All that is found out, as JSON.
+/// The answer of `check --json` for two coupled actuators.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct CoupledCheckAnswer<'a> {
     #[serde(flatten)]
     check: &'a CoupledCheck,
-    /// By how much the loop may be later and stronger.
+    /// By how much delay and gains may grow.
     margins: CoupledMargins,
 }

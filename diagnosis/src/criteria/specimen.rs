@@ -2,13 +2,13 @@
 
 // What stands at corners of the motion.
 
-/// A corner: the acceleration above a cut-off is this multiple of its noise, which normal noise is once in two thousand
-/// samples.
+/// A corner: the acceleration between a cut-off and twice that is this multiple of its noise, which normal noise is once
+/// in two thousand samples.
 pub const CORNER: f64 = 3.5;
 /// What a model leaves stands at corners if it is this multiple of what it leaves elsewhere.
 pub const LEFT_AT_CORNERS: f64 = 2.0;
 /// If corners exceed this fraction of the motion, they are the motion itself.
-pub const MOST_CORNERS: f64 = 0.5;
+pub const MOST_CORNERS: f64 = 0.35;
 
 // Stiffness lost for good.
 

@@ -14,6 +14,8 @@ pub struct ChannelDiagnosis<'a> {
     pub test: &'a [Recording],
     /// Records in which nothing moves.
     pub rest: &'a [Recording],
+    /// The same with all samples, if some of the above count as not measured: the noise is read from it.
+    pub whole: Option<&'a ChannelDiagnosis<'a>>,
 }
 
 impl ChannelDiagnosis<'_> {

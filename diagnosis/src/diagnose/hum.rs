@@ -44,6 +44,7 @@ impl ChannelDiagnosis<'_> {
             train: &clean_train,
             test: &clean_test,
             rest: &clean_rest,
+            whole: None,
         };
         let mut beside = quiet.assess(improved);
         let amplitude_mm = std::f64::consts::SQRT_2 * hum_mm;

@@ -35,6 +35,9 @@ impl ChannelDiagnosis<'_> {
 
     /// The noise floor: from a rest, else from the difference between periods, else from above the motion.
     pub(super) fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
+        if let Some(whole) = self.whole {
+            return Some(whole.noise(cutoff_hz)?.of_share(self.measured()));
+        }
         let least = self
             .output_step()
             .hypot(self.step_in_force_with_derivatives(cutoff_hz))
@@ -100,6 +103,13 @@ impl ChannelDiagnosis<'_> {
         Noise::without_rest(&moving, &inputs?, h, least)
     }
 
+    /// Fraction of the training samples that were measured.
+    pub(super) fn measured(&self) -> f64 {
+        let lost: usize = self.train.iter().map(|r| r.unmeasured().len()).sum();
+        let all: usize = self.train.iter().map(|r| r.time_s.len()).sum();
+        1.0 - lost as f64 / all as f64
+    }
+
     /// True if a rest is none because the specimen moves in it. An actuator's residual is noise even there.
     fn rest_moves(&self, r: &Recording, span: (usize, usize)) -> bool {
         self.base.channel == Channel::Specimen && hunting::hunts(r, span)
@@ -131,7 +141,11 @@ impl ChannelDiagnosis<'_> {
 
     /// The output's own noise, rms, from a model's training residuals at quiet times and above `free_hz`: the better
     /// the model, the less else they contain.
+    /// `None` if samples are left out: zeros would be the quietest.
     pub(super) fn own_noise(&self, left: &[Vec<f64>], free_hz: f64) -> Option<f64> {
+        if self.whole.is_some() {
+            return None;
+        }
         let moves = self.train.iter().zip(left);
         let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
         let inputs: Option<Vec<&[f64]>> = moves.collect();

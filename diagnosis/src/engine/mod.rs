@@ -88,7 +88,7 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     fits.push(data.polished(&[])?);
     data.weigh_samples(&mut fits);
     let declared = fits.last()?.clone();
-    let mut all = nameless(data, &fits[..fits.len() - 1], &declared);
+    let mut all = nameless(data, &fits[..fits.len() - 1], &declared, noise.told);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
     Some(Found::of(all, declared, noise.told))
 }
@@ -98,6 +98,7 @@ fn nameless(
     data: &SpecimenData,
     fits: &[SpecimenModelFit],
     declared: &SpecimenModelFit,
+    told: bool,
 ) -> Vec<Candidate<SpecimenModelFit>> {
     let mut leading: Vec<&SpecimenModelFit> = fits.iter().collect();
     leading.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
@@ -122,7 +123,7 @@ fn nameless(
     });
     let price = described.map(|f| f.evidence.price);
     let price = NAMED_INSTEAD + price.fold(f64::INFINITY, f64::min);
-    if price.is_finite() {
+    if told && price.is_finite() {
         fits.iter_mut()
             .for_each(|f| f.evidence.price = f.evidence.price.max(price));
     }

@@ -4,7 +4,9 @@ use super::row::{Form, Row, Sizes};
 use crate::laws::specimen::element::Element;
 use crate::laws::specimen::track::{MotionScales, Track};
 use crate::model::base::Base;
-use crate::numbers::signals::{Scales, Signals, Transfer, add_columns, delayed, difference, peak};
+use crate::numbers::signals::{
+    Scales, Signals, Transfer, add_columns, clear, delayed, difference, peak,
+};
 use crate::prepare::noise::hum::MAINS_HZ;
 use crate::record::spectrum;
 
@@ -94,7 +96,8 @@ impl Motion {
 
     /// Strongest line near the mains frequency in the declared model's residual, Hz.
     pub fn line_hz(&self) -> Option<f64> {
-        let left = difference(&self.track.force, &self.track.span_of(&self.signals.base));
+        let mut left = difference(&self.track.force, &self.track.span_of(&self.signals.base));
+        clear(&mut left, &self.track.unmeasured);
         let interval_s = self.track.interval_s * self.track.fine as f64;
         spectrum::line_hz(&left, interval_s, MAINS_HZ[0], MAINS_HZ[1]).map(|l| l.0)
     }

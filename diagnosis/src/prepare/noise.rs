@@ -126,6 +126,16 @@ impl Noise {
         if own > 0.0 && known > 1.0 { at } else { whole }
     }
 
+    /// What it is in means over all samples if only this share of them was measured and the others count as 0.
+    pub fn of_share(mut self, share: f64) -> Self {
+        let by = share.sqrt();
+        self.rms *= by;
+        self.innovation_rms *= by;
+        let all = self.at_rest.iter_mut().flatten();
+        all.for_each(|x| *x *= by);
+        self
+    }
+
     /// The same noise, attributed to another source.
     pub fn with_source(self, from: NoiseSource) -> Self {
         Self { from, ..self }
