@@ -8,7 +8,7 @@ pub const CORNER: f64 = 3.5;
 /// What a model leaves stands at corners if it is this multiple of what it leaves elsewhere.
 pub const LEFT_AT_CORNERS: f64 = 2.0;
 /// If corners exceed this fraction of the motion, they are the motion itself.
-pub const MOST_CORNERS: f64 = 0.35;
+pub const MOST_CORNERS: f64 = 0.5;
 
 // Stiffness lost for good.
 

@@ -11,10 +11,8 @@ use crate::record::rest;
 use crate::record::spectrum::{Motion, motion_band_hz, smooth};
 use plant::Channel;
 
-/// Number of cut-offs tried, each the square root of two times the previous one.
-const CUTOFFS: usize = 7;
-/// Number of cut-offs at which a record is judged again.
-const TRIED: usize = 3;
+/// Number of cut-offs tried, each twice the previous one.
+const CUTOFFS: usize = 4;
 /// The content between a cut-off and this multiple of it tells a corner from noise.
 const ABOVE: f64 = 2.0;
 /// Periods of the cut-off to either side of a corner within which it has an effect.
@@ -53,11 +51,10 @@ impl ChannelDiagnosis<'_> {
         let lowest = BAND_ROOM * bands.into_iter().fold(0.0, f64::max);
         let slowest_s = all().map(Recording::interval_s).fold(0.0, f64::max);
         let ladder = (0..CUTOFFS).rev();
-        let ladder = ladder.map(|i| lowest * std::f64::consts::SQRT_2.powi(i as i32));
+        let ladder = ladder.map(|i| lowest * f64::powi(2.0, i as i32));
         let usable = ladder.filter(|hz| *hz < MOST_RATE / slowest_s);
         // The higher the cut-off, the less is left out.
-        let stands = usable.filter_map(|hz| self.corners(hz, answer));
-        let tried: Vec<_> = stands.take(TRIED).collect();
+        let tried: Vec<_> = usable.filter_map(|hz| self.corners(hz, answer)).collect();
         tried
             .iter()
             .find_map(|corners| self.without_corners(corners, answer, declared, improved))
