@@ -141,25 +141,31 @@ pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     out
 }
 
-/// Second-order low-pass of a natural frequency and damping ratio, trapezoidal; begins settled.
-pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
+/// Second-order low-pass of a natural frequency, trapezoidal; begins settled. Its damping: a ratio at standstill, and the
+/// increase of that with the speed of what comes out, per mm/s.
+pub fn resonant(
+    u: &[f64],
+    hz: f64,
+    [damping, by_speed]: [f64; 2],
+    interval_s: f64,
+) -> Vec<f64> {
     if hz * interval_s > 0.45 {
         // Faster than the samples can show: only a delay.
         return lagged(u, damping / (std::f64::consts::PI * hz), interval_s);
     }
     // Prewarped, so that the resonance stays in place.
     let w = (std::f64::consts::PI * hz * interval_s).tan();
-    let (a0, a1, a2) = (
-        1.0 + 2.0 * damping * w + w * w,
-        2.0 * w * w - 2.0,
-        1.0 - 2.0 * damping * w + w * w,
-    );
-    let gain = w * w / a0;
-    let (mut u1, mut u2, mut y1, mut y2) = (u[0], u[0], u[0], u[0]);
+    let linear = 1.0 + 2.0 * damping * w + w * w;
+    let square = 8.0 * by_speed * std::f64::consts::TAU * hz * w;
+    // The states of two integrators, and the speed over the natural frequency.
+    let (mut moves, mut stands) = (0.0, u[0]);
     u.iter()
-        .map(|&u0| {
-            let y = gain * (u0 + 2.0 * u1 + u2) - (a1 * y1 + a2 * y2) / a0;
-            (u2, u1, y2, y1) = (u1, u0, y1, y);
+        .map(|&u| {
+            let drive = w * (u - stands) + moves;
+            let root = (linear * linear + square * drive.abs()).sqrt();
+            let speed = 2.0 * drive / (linear + root);
+            let y = w * speed + stands;
+            (moves, stands) = (2.0 * speed - moves, y + w * speed);
             y
         })
         .collect()
@@ -252,7 +258,31 @@ mod tests {
         let back = unlagged(&lagged(&wave, 0.022, h), 0.022, h);
         assert!(back.iter().zip(&wave).all(|(b, w)| (b - w).abs() < 1e-9));
         // 2 zeta / omega.
-        let y = resonant(&ramp, 20.0, 0.7, h);
+        let y = resonant(&ramp, 20.0, [0.7, 0.0], h);
         assert!((late(&y) - 1.4 / (std::f64::consts::TAU * 20.0)).abs() < 1e-4);
+        // Damping that grows with speed: the same at a speed of 1 as that ratio.
+        let y = resonant(&ramp, 20.0, [0.2, 0.5], h);
+        assert!((late(&y) - 1.4 / (std::f64::consts::TAU * 20.0)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn damping_by_the_square_of_the_speed_takes_what_its_equation_says() {
+        // Free vibration: from swing to swing the amplitude falls by 8/3 q w a^2, to first order in q w a.
+        let (h, hz, by_speed) = (1e-4, 5.0, 2e-4);
+        let mut u = vec![0.0; 20_000];
+        u[0] = 1.0;
+        let y = resonant(&u, hz, [0.0, by_speed], h);
+        let omega = std::f64::consts::TAU * hz;
+        let swings: Vec<f64> = (1..19_999)
+            .filter(|i| (y[*i] - y[i - 1]) * (y[i + 1] - y[*i]) < 0.0)
+            .map(|i| y[i].abs())
+            .collect();
+        // 1/a grows evenly.
+        let per_swing = 8.0 / 3.0 * by_speed * omega;
+        for (n, a) in swings.iter().enumerate() {
+            let exact = 1.0 / (1.0 + (n + 1) as f64 * per_swing);
+            assert!((a - exact).abs() < 0.02 * exact, "{n}: {a} {exact}");
+        }
+        assert!(swings.len() > 17);
     }
 }

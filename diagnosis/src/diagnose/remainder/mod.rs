@@ -317,7 +317,7 @@ mod tests {
         let memory = leading(&|x, _| crate::numbers::operators::slider(x, 0.5));
         let first = memory.shares[0];
         assert_eq!(first.depends_on, DependsOn::Memory, "{memory:?}");
-        let filtered = leading(&|x, _| crate::numbers::signals::resonant(x, 2.0, 0.3, H));
+        let filtered = leading(&|x, _| crate::numbers::signals::resonant(x, 2.0, [0.3, 0.0], H));
         assert_eq!(
             filtered.shares[0].depends_on,
             DependsOn::Frequency,

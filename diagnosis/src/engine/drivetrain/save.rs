@@ -101,7 +101,12 @@ impl ActuatorData<'_> {
                 PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
                 PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
                 PartKind::TwoSpeeds => vec![("flow_difference", a)],
-                PartKind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
+                PartKind::OilColumn if c == 0.0 => vec![("frequency_hz", a), ("damping_ratio", b)],
+                PartKind::OilColumn => vec![
+                    ("frequency_hz", a),
+                    ("damping_ratio", b),
+                    ("damping_s_per_mm", c / gain.abs()),
+                ],
                 PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
                 PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
@@ -150,7 +155,11 @@ fn part_figures(
     match part.kind {
         PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
         PartKind::OilColumn => {
-            vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
+            let mut all = vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)];
+            if c > 0.0 {
+                all.push(("damping_s_per_mm", "s/mm", c / gain, sc / gain));
+            }
+            all
         }
         PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
         PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],

@@ -7,7 +7,8 @@ use plant::Effect;
 pub enum PartKind {
     /// A second first-order lag after the first: its time constant, s.
     SecondLag,
-    /// The spring of the oil under the mass: natural frequency, Hz, and damping ratio.
+    /// The spring of the oil under the mass: natural frequency, Hz, damping ratio, and its increase with speed (orifices
+    /// damp by the square of the speed), s/mm.
     OilColumn,
     /// A cylinder of unequal areas: the flow is e + b e^2 of the valve's opening e; b, 1/mm.
     UnequalAreas,
@@ -197,7 +198,10 @@ impl PartKind {
             Self::SecondLag => spread(s.interval_s, 80.0 * s.interval_s, 7),
             Self::OilColumn => spread(3.0, 0.3 / s.interval_s, 8)
                 .into_iter()
-                .flat_map(|f| [shapes([f[0], 0.1]), shapes([f[0], 0.4])])
+                .flat_map(|f| {
+                    let by_speed = 0.2 / s.speed_mm_per_s;
+                    [[0.1, 0.0], [0.4, 0.0], [0.05, by_speed]].map(|[d, q]| shapes([f[0], d, q]))
+                })
                 .collect(),
             Self::UnequalAreas => [-0.6, -0.2, 0.2, 0.6]
                 .map(|b| shapes([b / s.opening_mm]))
@@ -238,7 +242,8 @@ impl PartKind {
     /// Number of its shapes.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::OilColumn | Self::DeadBand | Self::Stops | Self::Seal | Self::Sag => 2,
+            Self::DeadBand | Self::Stops | Self::Seal | Self::Sag => 2,
+            Self::OilColumn => 3,
             Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
             _ => 1,
@@ -250,7 +255,8 @@ impl PartKind {
         match (self, which) {
             (Self::SecondLag, _) => [0.1 * s.interval_s, 0.5],
             (Self::OilColumn, 0) => [1.0, 0.4 / s.interval_s],
-            (Self::OilColumn, _) => [0.01, 1.0],
+            (Self::OilColumn, 1) => [0.01, 1.0],
+            (Self::OilColumn, _) => [0.0, 4.0 / s.speed_mm_per_s],
             (Self::UnequalAreas, _) => [-1.5 / s.opening_mm, 1.5 / s.opening_mm],
             (Self::TwoSpeeds, _) => [-0.9, 0.9],
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
@@ -277,7 +283,8 @@ impl PartKind {
         match (self, which) {
             (Self::SecondLag, _) => 0.1 * s.interval_s,
             (Self::OilColumn, 0) => 0.02,
-            (Self::OilColumn, _) => 2e-3,
+            (Self::OilColumn, 1) => 2e-3,
+            (Self::OilColumn, _) => 2e-3 / s.speed_mm_per_s,
             (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
             (Self::TwoSpeeds, _) => 1e-3,
             (Self::Load, _) => 1e-3 / s.x_mm,

@@ -44,10 +44,10 @@ impl SignalPath {
         let late = delayed(&run.command, self.delay_s, interval_s);
         let mut y = self.valve(&late, interval_s);
         for part in &self.parts {
-            let [a, b, ..] = part.shapes;
+            let [a, b, c, _] = part.shapes;
             match part.kind {
                 PartKind::SecondLag => y = lagged(&y, a, interval_s),
-                PartKind::OilColumn => y = resonant(&y, a, b, interval_s),
+                PartKind::OilColumn => y = resonant(&y, a, [b, c], interval_s),
                 _ => {}
             }
         }

@@ -48,7 +48,7 @@ pub const EFFECTS: &[Known] = &[
     },
     Known {
         effect: Effect::OilColumn,
-        stage: Some(|y, p, k| resonant(y, p[0], p[1], k.step_s)),
+        stage: Some(|y, p, k| resonant(y, p[0], [p[1], 0.0], k.step_s)),
         ..STAGE
     },
     Known {
@@ -153,6 +153,12 @@ pub const FORMS: &[Known] = &[
     Known {
         effect: Effect::RateLimit,
         stage: Some(|y, p, k| through_valve(y, k, PartKind::RateLimit, shapes([p[0]]))),
+        ..STAGE
+    },
+    // A resonance of the oil whose damping grows with speed: frequency, Hz, damping ratio, and its growth, s/mm.
+    Known {
+        effect: Effect::OilColumn,
+        stage: Some(|y, p, k| resonant(y, p[0], [p[1], p[2]], k.step_s)),
         ..STAGE
     },
     // Stops: the lower and the upper, mm.

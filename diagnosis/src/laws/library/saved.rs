@@ -7,12 +7,16 @@ use plant::{Channel, Effect, EffectSpec};
 
 /// Parameter names of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the
 /// order of their shapes.
-pub const FORMS: [(Effect, &[&str]); 9] = [
+pub const FORMS: [(Effect, &[&str]); 10] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["opening_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["valve_rate_mm_per_s"]),
+    (
+        Effect::OilColumn,
+        &["frequency_hz", "damping_ratio", "damping_s_per_mm"],
+    ),
     (Effect::Saturation, &["lower_mm", "upper_mm"]),
     (Effect::DeadBand, &["width_mm", "middle_mm"]),
     (
