@@ -81,6 +81,33 @@ pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
         .collect()
 }
 
+/// Sliding with force 1 after a gradual turn-over, by Dahl's law: `dz = |1 - z s|^n s dx / yield_at` with `s` the sign of
+/// the motion and the roundness `n`, 0 to 1. With 0 it is [`slider`], with 1 it decays exponentially.
+pub fn dahl(x: &[f64], yield_at: f64, roundness: f64) -> Vec<f64> {
+    let power = 1.0 - roundness;
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            let way = (x - last) / yield_at.max(f64::MIN_POSITIVE);
+            last = x;
+            let sign = way.signum();
+            let missing = 1.0 - z * sign;
+            let missing = if power < STRAIGHT {
+                missing * (-way.abs()).exp()
+            } else {
+                (missing.powf(power) - power * way.abs())
+                    .max(0.0)
+                    .powf(1.0 / power)
+            };
+            z = sign * (1.0 - missing);
+            z
+        })
+        .collect()
+}
+
+/// A power below this is an exponential decay.
+const STRAIGHT: f64 = 1e-6;
+
 /// Force over stiffness of an elastic-plastic element with yield displacement `yield_at`.
 pub fn elastic_plastic(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
@@ -124,6 +151,16 @@ pub fn relaxed(x: &[f64], tau_s: f64, interval_s: f64) -> Vec<f64> {
             z
         })
         .collect()
+}
+
+/// What a motion heats by its own power, `h' = (x^2 - h) / tau`, mm^2; begins cold.
+pub fn heated(x: &[f64], tau_s: f64, interval_s: f64) -> impl Iterator<Item = f64> + '_ {
+    let new = 1.0 - (-interval_s / tau_s).exp();
+    let mut heat = 0.0;
+    x.iter().map(move |x| {
+        heat += new * (x * x - heat);
+        heat
+    })
 }
 
 /// Limits the change from sample to sample to `most`.
@@ -178,6 +215,25 @@ mod tests {
         let turns = slopes.windows(2).map(|s| (s[1] - s[0]).abs());
         // A parabola's slope rises by 1 over 0.6.
         assert!(turns.fold(0.0, f64::max) < 1.01 * 0.01 / 0.6);
+    }
+
+    #[test]
+    fn friction_turns_over_along_the_way_that_its_roundness_says() {
+        let back: Vec<f64> = (0..600).map(|i| 3.0 - 0.01 * f64::from(i)).collect();
+        let x = [&[-3.0, 3.0], back.as_slice()].concat();
+        let turned = |roundness| dahl(&x, 0.5, roundness)[1..].to_vec();
+        assert_eq!(turned(0.0), slider(&x, 0.5)[1..]);
+        let exact: [(f64, fn(f64) -> f64); 2] = [
+            (0.5, |way| (2f64.sqrt() - 0.5 * way).max(0.0).powi(2)),
+            (1.0, |way| 2.0 * (-way).exp()),
+        ];
+        // Pushed 12 times its give from standstill, an exponential is within 1e-5 of its end.
+        for (roundness, missing) in exact {
+            for (x, z) in back.iter().zip(&turned(roundness)[1..]) {
+                let exact = missing((3.0 - x) / 0.5) - 1.0;
+                assert!((z - exact).abs() < 2e-5, "{roundness} {x}: {z} {exact}");
+            }
+        }
     }
 
     #[test]

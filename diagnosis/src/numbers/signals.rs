@@ -143,12 +143,7 @@ pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
 
 /// Second-order low-pass of a natural frequency, trapezoidal; begins settled. Its damping: a ratio at standstill, and the
 /// increase of that with the speed of what comes out, per mm/s.
-pub fn resonant(
-    u: &[f64],
-    hz: f64,
-    [damping, by_speed]: [f64; 2],
-    interval_s: f64,
-) -> Vec<f64> {
+pub fn resonant(u: &[f64], hz: f64, [damping, by_speed]: [f64; 2], interval_s: f64) -> Vec<f64> {
     if hz * interval_s > 0.45 {
         // Faster than the samples can show: only a delay.
         return lagged(u, damping / (std::f64::consts::PI * hz), interval_s);

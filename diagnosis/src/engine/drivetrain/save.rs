@@ -120,7 +120,14 @@ impl ActuatorData<'_> {
                     ("lower_mm", a * gain + offset),
                     ("upper_mm", b * gain + offset),
                 ],
-                PartKind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
+                PartKind::Friction if b == 0.0 => {
+                    vec![("error_mm", strength()), ("presliding_mm", width)]
+                }
+                PartKind::Friction => vec![
+                    ("error_mm", strength()),
+                    ("presliding_mm", width),
+                    ("roundness", b),
+                ],
                 PartKind::Seal => vec![
                     ("oil_bend_mm", a),
                     ("presliding_mm", b),
@@ -137,7 +144,14 @@ impl ActuatorData<'_> {
                 // The library counts half of it in the gain, and has no separate lag for the return.
                 PartKind::SideGain => vec![("difference", strength() / gain)],
                 PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
-                PartKind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
+                PartKind::GainDrift if b == 0.0 => {
+                    vec![("change", strength() / gain), ("time_constant_s", a)]
+                }
+                PartKind::GainDrift => vec![
+                    ("change", strength() / gain),
+                    ("time_constant_s", a),
+                    ("own_heat_per_mm2", b / gain.powi(2)),
+                ],
             };
             effects.extend(part.kind.effect().map(|e| EffectSpec::new(e, &parameters)));
         }
@@ -205,9 +219,16 @@ fn part_figures(
             ("rate_mm_per_s", "mm/s", strength / a, ss / a),
             ("time_constant_s", "s", a, sa),
         ],
-        PartKind::GainDrift => vec![
-            ("change", "", strength / gain, ss / gain),
-            ("time_constant_s", "s", a, sa),
-        ],
+        PartKind::GainDrift => {
+            let mut all = vec![
+                ("change", "", strength / gain, ss / gain),
+                ("time_constant_s", "s", a, sa),
+            ];
+            if b > 0.0 {
+                let own = 1.0 / gain.powi(2);
+                all.push(("own_heat_per_mm2", "1/mm2", b * own, sb * own));
+            }
+            all
+        }
     }
 }

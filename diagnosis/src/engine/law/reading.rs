@@ -2,6 +2,7 @@
 
 use crate::engine::row::{Row, Sizes};
 use crate::laws::library::ROUNDED_LIMIT;
+use crate::laws::specimen::element::Law;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
@@ -25,6 +26,11 @@ pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
     let asked = slow.iter().filter(|_| rests);
     for (name, price, counts) in effects.iter().chain(asked) {
         all.extend(Row::effect(*name, *price, sizes, counts));
+    }
+    if rests {
+        let seconds = sizes.motion.seconds;
+        let grid = [0.15, 0.5].map(|t| [3.0, 30.0].map(|own| [t * seconds, own, 0.0, 0.0]));
+        all.push(Row::element(Law::Warming, 4.3, grid.concat()));
     }
     all
 }

@@ -1,5 +1,7 @@
 //! Parts that may act between command and displacement besides a delay and a lag.
 
+#[cfg(doc)]
+use crate::numbers::operators::dahl;
 use plant::Effect;
 
 /// A part of the signal path from command to displacement.
@@ -32,7 +34,8 @@ pub enum PartKind {
     DeadBand,
     /// Stops of the displacement: the lower and the upper, mm.
     Stops,
-    /// Dry friction in the drive with an elastic give, mm; its strength is an amplitude.
+    /// Dry friction in the drive: its elastic give, mm, and how round it turns over, see [`dahl`]; its strength is an
+    /// amplitude.
     Friction,
     /// Friction of the piston's seals against the spring of the oil, inside the position loop: the compression of the
     /// oil and the give of the seals, mm.
@@ -46,7 +49,8 @@ pub enum PartKind {
     SideGain,
     /// A drifting zero: its time constant, s; an amplitude.
     Drift,
-    /// A drifting gain: its time constant, s; an amplitude.
+    /// A drifting gain: its time constant, s, and how much it warms by its own motion, 1/mm^2, over how much with time; an
+    /// amplitude.
     GainDrift,
 }
 
@@ -223,7 +227,10 @@ impl PartKind {
                     shapes([low + inside, high + open]),
                 ]
             }
-            Self::Friction => spread(0.002 * s.x_mm, 0.1 * s.x_mm, 5),
+            Self::Friction => spread(0.002 * s.x_mm, 0.1 * s.x_mm, 5)
+                .into_iter()
+                .flat_map(|f| [0.0, 1.0].map(|round| shapes([f[0], round])))
+                .collect(),
             Self::Seal => spread(0.006 * s.x_mm, 0.1 * s.x_mm, 4)
                 .into_iter()
                 .map(|f| shapes([f[0], 0.003 * s.x_mm]))
@@ -235,14 +242,19 @@ impl PartKind {
                 })
                 .collect(),
             Self::Compliance | Self::SideGain => vec![shapes([])],
-            Self::Drift | Self::GainDrift => spread(0.3 * s.seconds, 20.0 * s.seconds, 3),
+            Self::Drift => spread(0.3 * s.seconds, 20.0 * s.seconds, 3),
+            Self::GainDrift => spread(0.3 * s.seconds, 20.0 * s.seconds, 3)
+                .into_iter()
+                .flat_map(|f| [0.0, 10.0].map(|own| shapes([f[0], own / s.x_mm.powi(2)])))
+                .collect(),
         }
     }
 
     /// Number of its shapes.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::DeadBand | Self::Stops | Self::Seal | Self::Sag => 2,
+            Self::DeadBand | Self::Stops | Self::Friction | Self::Seal | Self::Sag => 2,
+            Self::GainDrift => 2,
             Self::OilColumn => 3,
             Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
@@ -268,11 +280,13 @@ impl PartKind {
             (Self::DeadBand, 1) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
-            (Self::Friction, _) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
+            (Self::Friction, 0) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
+            (Self::Friction, _) => [0.0, 1.0],
             (Self::Seal | Self::StickySeal, 0) => [0.0, 0.3 * s.x_mm],
             (Self::Seal | Self::StickySeal, 1) => [3e-4 * s.x_mm, 0.05 * s.x_mm],
             (Self::Seal | Self::StickySeal, 2) => [1.0, 4.0],
             (Self::Seal | Self::StickySeal, _) => [5e-3 * s.speed_mm_per_s, 0.6 * s.speed_mm_per_s],
+            (Self::GainDrift, 1) => [0.0, 1e3 / s.x_mm.powi(2)],
             (Self::Drift | Self::GainDrift, _) => [0.3 * s.seconds, 200.0 * s.seconds],
             (Self::Compliance | Self::SideGain, _) => [0.0, 0.0],
         }
@@ -293,7 +307,8 @@ impl PartKind {
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
             (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
             (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,
-            (Self::StickySeal, _) => 1e-2,
+            (Self::StickySeal, _) | (Self::Friction, 1) => 1e-2,
+            (Self::GainDrift, 1) => 1e-2 / s.x_mm.powi(2),
             (Self::Drift | Self::GainDrift, _) => 1e-2 * s.seconds,
             _ => 1e-3 * s.x_mm,
         }

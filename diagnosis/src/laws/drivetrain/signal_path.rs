@@ -1,7 +1,7 @@
 //! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
 use super::part::{Part, PartKind};
-use crate::numbers::operators::{dead_zone, play, slider};
+use crate::numbers::operators::{dahl, dead_zone, heated, play};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
 /// A record as used by the search; what precedes its first judged sample only sets the state.
@@ -67,20 +67,22 @@ impl SignalPath {
             y.iter_mut().for_each(|y| *y = y.min(high).max(low));
         }
         let own = |part: &Part| -> Option<Vec<f64>> {
-            let a = part.shapes[0];
+            let [a, b, ..] = part.shapes;
             let growth = |i: usize| 1.0 - (-(run.from_s + i as f64 * interval_s) / a).exp();
             let judged = &y[run.lead..];
             Some(match part.kind {
-                PartKind::Friction => slider(&y, a)[run.lead..].iter().map(|z| -z).collect(),
+                PartKind::Friction => dahl(&y, a, b)[run.lead..].iter().map(|z| -z).collect(),
                 PartKind::Compliance if run.force.is_empty() => vec![0.0; judged.len()],
                 PartKind::Compliance => run.force[run.lead..].iter().map(|f| -f).collect(),
                 PartKind::SideGain => judged.iter().map(|y| 0.5 * y.abs()).collect(),
                 PartKind::Drift => (0..judged.len()).map(growth).collect(),
-                PartKind::GainDrift => judged
-                    .iter()
-                    .enumerate()
-                    .map(|(i, y)| y * growth(i))
-                    .collect(),
+                PartKind::GainDrift => {
+                    let heat = heated(&y, a, interval_s).skip(run.lead);
+                    let warms = judged.iter().zip(heat).enumerate();
+                    warms
+                        .map(|(i, (y, heat))| y * (growth(i) + b * heat))
+                        .collect()
+                }
                 _ => return None,
             })
         };

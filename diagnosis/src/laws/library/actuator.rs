@@ -173,6 +173,30 @@ pub const FORMS: &[Known] = &[
         stage: Some(|y, p, _| op::dead_zone(y, [p[0], 0.0, p[1]]).collect()),
         ..STAGE
     },
+    // Friction that turns over gradually: its level and its give, mm, and how round, see `op::dahl`.
+    Known {
+        effect: Effect::CoulombFriction,
+        stage: Some(|y, p, _| {
+            let held = op::dahl(y, p[1], p[2]);
+            y.iter().zip(held).map(|(y, z)| y - p[0] * z).collect()
+        }),
+        ..STAGE
+    },
+    // A gain that drifts with time and by the own heat: its change with time, its time constant, s, and how much more by the
+    // motion, 1/mm^2.
+    Known {
+        effect: Effect::TemperatureGain,
+        columns: |s, p, _| {
+            let heat = op::heated(&s.base, p[1], s.interval_s);
+            let warms = growth(s, p[1]).zip(heat).zip(&s.base);
+            vec![
+                warms
+                    .map(|((with_time, heat), x)| p[0] * (with_time + p[2] * heat) * x)
+                    .collect(),
+            ]
+        },
+        ..BASIS
+    },
     // Seal friction against the oil's spring: the oil's compression and the seals' give, mm, and the lag after it, s.
     Known {
         effect: Effect::CoulombFriction,

@@ -7,7 +7,7 @@ use plant::{Channel, Effect, EffectSpec};
 
 /// Parameter names of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the
 /// order of their shapes.
-pub const FORMS: [(Effect, &[&str]); 10] = [
+pub const FORMS: [(Effect, &[&str]); 12] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
@@ -19,6 +19,14 @@ pub const FORMS: [(Effect, &[&str]); 10] = [
     ),
     (Effect::Saturation, &["lower_mm", "upper_mm"]),
     (Effect::DeadBand, &["width_mm", "middle_mm"]),
+    (
+        Effect::CoulombFriction,
+        &["error_mm", "presliding_mm", "roundness"],
+    ),
+    (
+        Effect::TemperatureGain,
+        &["change", "time_constant_s", "own_heat_per_mm2"],
+    ),
     (
         Effect::CoulombFriction,
         &["oil_bend_mm", "presliding_mm", "valve_lag_ms"],
@@ -60,7 +68,8 @@ pub fn tires(effect: &EffectSpec) -> bool {
 pub fn fit_of(channel: Channel, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
     let own = form_names(channel, effect);
     if !own.is_empty() {
-        return (Vec::new(), form_shapes(effect, own));
+        // Of those that are columns the strength is among the shapes.
+        return (vec![1.0], form_shapes(effect, own));
     }
     let get = |name: &'static str| effect.parameter(name).unwrap_or(0.0);
     let milli = |name: &'static str| 1e-3 * get(name);

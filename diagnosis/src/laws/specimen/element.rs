@@ -3,7 +3,7 @@
 use super::laws;
 use super::track::{MotionScales, Track};
 use crate::numbers::linear::Bound;
-use crate::numbers::operators::{relaxed, returned, slider, slipped, travel};
+use crate::numbers::operators::{heated, relaxed, returned, slider, slipped, travel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,8 @@ pub enum Law {
     Lessened,
     /// What a spring loses with travel: `-travel / (travel + half) x` [half mm].
     Fatigued,
-    /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s].
+    /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s, and how much it warms by its own
+    /// motion, were that always at its end, over how much with time].
     Warming,
     /// `|x - place|` [place mm].
     Away,
@@ -125,7 +126,12 @@ impl Element {
                 let lost = x.iter().zip(travels(t)).map(|(x, w)| -x * w / (w + p));
                 lost.collect()
             }
-            Law::Warming => times(settling(t, p), x, &|x| x),
+            Law::Warming => {
+                let own = heated(x, p, h).map(|heat| q * heat / sizes.x.powi(2));
+                let warm = settling(t, p).into_iter().zip(own);
+                let warm = warm.map(|(with_time, own)| with_time + own).collect();
+                times(warm, x, &|x| x)
+            }
             Law::Away => of_x(&|x| (x - p).abs()),
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),

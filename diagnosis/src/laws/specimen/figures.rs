@@ -72,10 +72,16 @@ pub fn figures(
             ("speed_mm_per_s", "mm/s", q),
             ("exponent", "", 1.0 / r),
         ],
-        Effect::TemperatureGain => vec![
-            ("change", "", strength / stiffness),
-            ("time_constant_s", "s", p),
-        ],
+        Effect::TemperatureGain => {
+            let mut all = vec![
+                ("change", "", strength / stiffness),
+                ("time_constant_s", "s", p),
+            ];
+            if q > 0.0 {
+                all.push(("change_by_motion", "", q * strength / stiffness));
+            }
+            all
+        }
         _ => by_law(&first, strength, fit),
     }
 }

@@ -16,6 +16,9 @@ pub enum Scale {
 /// Half ranges over which the growth of a stiffening loop is judged.
 const MOST_GROWTH: f64 = 1.0;
 
+/// Heat by the own motion over that of time beyond which the latter is none.
+const MOST_OWN_HEAT: f64 = 1e3;
+
 impl Element {
     /// The shapes that may change, and how.
     pub fn movable(&self) -> &'static [(usize, Scale)] {
@@ -44,6 +47,7 @@ impl Element {
             Law::Beyond if self.shape[1] == 0.0 => &[(0, Log)],
             Law::Beyond if self.shape[3] > 0.0 => &[(0, Straight), (3, Log)],
             Law::Beyond => &[(0, Straight)],
+            Law::Warming if self.shape[1] > 0.0 => &[(0, Log), (1, Log)],
             Law::Away | Law::Warming => &[],
             Law::Square | Law::SizeOfSpeed => &[],
         }
@@ -80,7 +84,9 @@ impl Element {
             Law::Lessened => (0.1..=4.0).contains(&p),
             Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
             Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
-            Law::Settling | Law::Warming => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,
+            Law::Settling | Law::Warming => {
+                p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds && q < MOST_OWN_HEAT
+            }
             Law::Fatigued => p > 0.02 * sizes.travel && p < 20.0 * sizes.travel,
             Law::Worn => {
                 (1e-3 * x..=0.9 * x).contains(&p)
