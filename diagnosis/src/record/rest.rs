@@ -31,13 +31,21 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
         spans.push((n - after, n));
     }
     spans.retain(|&(a, b)| !swings(&activity[a..b], whole));
-    // A part that moves more at one end than at the other is not at rest there.
-    let quietest = spans
-        .iter()
-        .map(|&(a, b)| deviation(&activity[a..b]))
-        .fold(f64::MAX, f64::min);
-    let least = 1e-5 * whole;
-    spans.retain(|&(a, b)| deviation(&activity[a..b]) <= 3.0 * quietest.max(least));
+    // What moves more than the other rest is not at rest: a motion that begins slowly is cut off its end.
+    let moves = |&(a, b): &(usize, usize)| deviation(&activity[a..b]);
+    let quietest = spans.iter().map(moves).fold(f64::MAX, f64::min);
+    let most = 3.0 * quietest.max(1e-5 * whole);
+    for span in &mut spans {
+        while span.1 - span.0 >= least && moves(span) > most {
+            let cut = (span.1 - span.0).div_ceil(10);
+            if span.0 == 0 {
+                span.1 -= cut;
+            } else {
+                span.0 += cut;
+            }
+        }
+    }
+    spans.retain(|(a, b)| b - a >= least);
     spans
 }
 
@@ -238,6 +246,23 @@ mod tests {
             };
         }
         assert_eq!(spans(&rings), found[..1]);
+        // A motion that begins slowly leaves the rest before it.
+        let slow = |i: usize| {
+            let t = i as f64 * h;
+            let grows = ((t - 2.0).max(0.0) / 4.0).powi(4);
+            if t < 8.0 {
+                grows * (6.0 * t).sin()
+            } else {
+                0.0
+            }
+        };
+        let slow = Recording {
+            command_mm: Some((0..10_000).map(slow).collect()),
+            ..rings
+        };
+        let found = spans(&slow);
+        assert_eq!(found.len(), 2);
+        assert!((1500..2700).contains(&found[0].1), "{found:?}");
     }
 
     #[test]
