@@ -31,12 +31,14 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
         spans.push((n - after, n));
     }
     spans.retain(|&(a, b)| !swings(&activity[a..b], whole));
-    // What moves more than the other rest is not at rest: a motion that begins slowly is cut off its end.
+    // What moves more than the other rest is not at rest: a motion that begins slowly is cut off,
+    // but no more than half.
     let moves = |&(a, b): &(usize, usize)| deviation(&activity[a..b]);
     let quietest = spans.iter().map(moves).fold(f64::MAX, f64::min);
     let most = 3.0 * quietest.max(1e-5 * whole);
     for span in &mut spans {
-        while span.1 - span.0 >= least && moves(span) > most {
+        let half = (span.1 - span.0) / 2;
+        while span.1 - span.0 > half && moves(span) > most {
             let cut = (span.1 - span.0).div_ceil(10);
             if span.0 == 0 {
                 span.1 -= cut;
@@ -45,7 +47,7 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
             }
         }
     }
-    spans.retain(|(a, b)| b - a >= least);
+    spans.retain(|span| span.1 - span.0 >= least && moves(span) <= most);
     spans
 }
 

@@ -17,6 +17,14 @@ pub fn diagnosis(paper: &Paper) -> Result<Answer, String> {
 /// # Errors
 /// The sentence of a refusal.
 pub fn found(paper: &Paper) -> Result<Diagnosis, String> {
+    beside(paper, &model(paper))
+}
+
+/// What it finds beside a model of that rig.
+///
+/// # Errors
+/// The sentence of a refusal.
+pub fn beside(paper: &Paper, model: &Model) -> Result<Diagnosis, String> {
     let train = recording("train", &paper.train);
     let rest: Vec<Recording> = paper
         .rest_s
@@ -24,8 +32,7 @@ pub fn found(paper: &Paper) -> Result<Diagnosis, String> {
         .map(|&(from_s, to_s)| train.span(from_s, to_s))
         .collect();
     let test = recording("test", &paper.test);
-    diagnosis::diagnose(&model(paper), &[train], &[test], &rest)
-        .map_err(|refusal| refusal.to_string())
+    diagnosis::diagnose(model, &[train], &[test], &rest).map_err(|refusal| refusal.to_string())
 }
 
 fn answer(found: &Diagnosis) -> Result<Answer, String> {

@@ -115,3 +115,50 @@ fn a_hum_a_mass_at_corners_and_two_springs_are_named_down_to_the_noise() {
         assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
     }
 }
+
+/// An oil column damped by orifices, friction of bristles, gains that follow the heat of the motion, a drift in a record whose
+/// motion begins slowly: each is named, and saved so that nothing is left to be found.
+#[test]
+fn a_ram_damped_by_orifices_bristles_and_own_heat_are_named_and_saved() {
+    for (id, channel) in [
+        ("unseen-7200043", Channel::Actuator),
+        ("unseen-7200015", Channel::Actuator),
+        ("unseen-7200014", Channel::Specimen),
+        ("unseen-7200053", Channel::Actuator),
+        ("two-7200072", Channel::Actuator),
+    ] {
+        let item = Item::from_id(id).unwrap();
+        let marked = run_exam(
+            &[item],
+            |_, paper| examinee::diagnosis(paper),
+            |_| (),
+        )
+        .unwrap();
+        assert_eq!(
+            marked[0].grade.mark,
+            Mark::Exact,
+            "{id}: {}",
+            said(&marked[0])
+        );
+        let paper = exam::set(item.class, item.seed, &item.options()).paper;
+        let found = examinee::found(&paper).unwrap();
+        let again = examinee::beside(&paper, &found.improved).unwrap();
+        let left = |d: &diagnosis::Diagnosis| {
+            let own = d
+                .channels
+                .iter()
+                .find(|c| c.channel.name() == channel.name());
+            let own = own.unwrap();
+            (
+                own.verdict,
+                own.error_before.test_rms,
+                own.error_after.test_rms,
+            )
+        };
+        let (_, before, after) = left(&found);
+        let (verdict, saved, _) = left(&again);
+        println!("{id}: {before:.4} to {after:.4}, saved {saved:.4}");
+        assert_eq!(verdict, diagnosis::Verdict::None, "{id}");
+        assert!(saved < 1.05 * after, "{id}: {saved} for {after}");
+    }
+}
