@@ -194,6 +194,10 @@ pub fn trust(evidence: &score::Evidence) -> f64 {
 /// Cost of a force's other name, nats: the shape slightly favours its own name.
 const OTHER_NAME: f64 = 0.4;
 
+/// A spring whose declared stiffness is wrong by more than this multiple of what it stiffens may be one read by a scale that
+/// is wrong.
+const BENDS: f64 = 3.0;
+
 /// A fit under each of the names that its force may have.
 fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<SpecimenModelFit>> {
     let mut all = vec![fit.names.clone()];
@@ -212,12 +216,19 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
         .late_s(&fit)
         .map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
     let kg = fit.declared[2] - data.declared_values()[2];
+    let stiffer = fit.declared[0] - data.declared_values()[0];
+    // A scale that is wrong and bends a little.
+    let bends = |i: usize| {
+        let row = &data.rows[fit.terms[i].row];
+        row.is_power_of_place() && row.frees == Some(0) && stiffer / fit.strengths[i][0] > BENDS
+    };
     for i in 0..fit.terms.len() {
         let also = match fit.names[i] {
             // Damping and mass, which a clip would also limit, tell it from a spring that softens.
             Effect::Saturation if has_only(0) => Some(Effect::Softening),
             // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
             Effect::ChannelSkew if late && has_only(1) => Some(Effect::MaxwellDamper),
+            Effect::Hardening | Effect::Softening if bends(i) => Some(Effect::GainError),
             Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
             name if name.entry().family == Family::Friction => early,
             _ => None,

@@ -129,6 +129,11 @@ impl Row {
         }
     }
 
+    /// True if it is a spring whose force grows with another power of the displacement.
+    pub fn is_power_of_place(&self) -> bool {
+        matches!(self.form, Form::Element(Law::PowerOfPlace))
+    }
+
     /// True if it can only be named by family: something beyond such a name remains.
     pub fn has_its_familys_name(&self) -> bool {
         matches!(self.form, Form::Element(Law::Recentring))

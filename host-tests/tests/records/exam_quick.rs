@@ -128,12 +128,7 @@ fn a_ram_damped_by_orifices_bristles_and_own_heat_are_named_and_saved() {
         ("two-7200072", Channel::Actuator),
     ] {
         let item = Item::from_id(id).unwrap();
-        let marked = run_exam(
-            &[item],
-            |_, paper| examinee::diagnosis(paper),
-            |_| (),
-        )
-        .unwrap();
+        let marked = run_exam(&[item], |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
         assert_eq!(
             marked[0].grade.mark,
             Mark::Exact,

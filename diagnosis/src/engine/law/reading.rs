@@ -1,7 +1,7 @@
 //! Effects of the readings: a calibration, a zero, a clock, a spectral line, a limit; and the mass on the load cell.
 
 use crate::engine::row::{Row, Sizes};
-use crate::laws::library::ROUNDED_LIMIT;
+use crate::laws::library::{OFF_CENTRE_LIMIT, ROUNDED_LIMIT};
 use crate::laws::specimen::element::Law;
 use plant::Effect;
 
@@ -19,6 +19,7 @@ pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
         (Effect::MainsHum, 3.0, &[3][..]),
     ];
     all.push(Row::of(ROUNDED_LIMIT, 3.2, sizes, &[6, 3]));
+    all.push(Row::of(OFF_CENTRE_LIMIT, 3.2, sizes, &[6, 4]));
     let slow = [
         (Effect::Drift, 3.3, &[5][..]),
         (Effect::TemperatureGain, 4.3, &[5][..]),

@@ -102,9 +102,9 @@ pub fn positive(_: &Scales) -> Vec<Bound> {
     vec![Bound::POSITIVE]
 }
 
-/// Slow effects: range of their settling times.
+/// Slow effects: range of their settling times. A drift that has settled when the motion begins is an offset.
 pub fn settling(s: &Scales) -> Vec<Shape> {
-    vec![Shape::new(0.05 * s.seconds, 200.0 * s.seconds)]
+    vec![Shape::new(0.2 * s.seconds, 200.0 * s.seconds)]
 }
 
 /// Range of a hum's frequency: around the line in the residual.

@@ -8,7 +8,7 @@ mod specimen;
 
 pub use candidate::{Candidate, Known};
 pub use saved::form_names;
-pub use specimen::{CANDIDATES, ROUNDED_GAP, ROUNDED_LIMIT};
+pub use specimen::{CANDIDATES, OFF_CENTRE_LIMIT, ROUNDED_GAP, ROUNDED_LIMIT};
 
 use plant::{Channel, Effect, EffectSpec};
 
@@ -27,7 +27,11 @@ pub fn has(channel: Channel, effect: Effect) -> bool {
 
 /// The library's entry for an effect of a model, or for one of its forms if it has the form's parameters.
 pub fn known(channel: Channel, effect: &EffectSpec) -> Option<Known> {
-    let form = saved::form_of(channel, effect).and_then(|i| actuator::FORMS.get(i).copied());
+    let forms = match channel {
+        Channel::Actuator => actuator::FORMS,
+        Channel::Specimen => specimen::FORMS,
+    };
+    let form = saved::form_of(channel, effect).and_then(|i| forms.get(i).copied());
     let form = form.or_else(|| saved::tires(effect).then_some(specimen::FATIGUE.known()));
     let mut all = effects(channel).into_iter();
     form.or_else(|| all.find(|k| k.effect == effect.name))
@@ -61,9 +65,13 @@ mod tests {
 
     #[test]
     fn every_form_has_the_names_of_its_shapes() {
-        let names = saved::FORMS.map(|(effect, _)| effect);
-        let forms: Vec<Effect> = actuator::FORMS.iter().map(|c| c.effect).collect();
-        assert_eq!(names.as_slice(), forms);
+        for (channel, forms) in [
+            (Channel::Actuator, actuator::FORMS),
+            (Channel::Specimen, specimen::FORMS),
+        ] {
+            let names = saved::forms(channel).iter().map(|(effect, _)| *effect);
+            assert!(names.eq(forms.iter().map(|c| c.effect)));
+        }
     }
 
     #[test]

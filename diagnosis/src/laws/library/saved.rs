@@ -5,9 +5,18 @@ use super::candidate::MOST_AT_REST;
 use crate::numbers::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
-/// Parameter names of the forms that the engine finds as parts of the path (`actuator::FORMS`, in its order), in the
-/// order of their shapes.
-pub const FORMS: [(Effect, &[&str]); 12] = [
+/// A form's effect and parameter names, in the order of its shapes.
+type Form = (Effect, &'static [&'static str]);
+
+/// The forms of a channel's effects, in the order of `actuator::FORMS` or `specimen::FORMS`.
+pub fn forms(channel: Channel) -> &'static [Form] {
+    match channel {
+        Channel::Actuator => &OF_AN_ACTUATOR,
+        Channel::Specimen => &[(Effect::Saturation, &["lower_n", "upper_n"])],
+    }
+}
+
+const OF_AN_ACTUATOR: [Form; 12] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
@@ -45,17 +54,17 @@ pub const FORMS: [(Effect, &[&str]); 12] = [
 
 /// The form that `effect` has; `None` if it is as in the catalogue.
 pub fn form_of(channel: Channel, effect: &EffectSpec) -> Option<usize> {
-    FORMS.iter().position(|(name, names)| {
+    forms(channel).iter().position(|(name, names)| {
         let given = names
             .iter()
             .all(|name| effect.parameters.contains_key(*name));
-        channel == Channel::Actuator && *name == effect.name && given
+        *name == effect.name && given
     })
 }
 
 /// The parameter names of the form that `effect` has; none if it is as in the catalogue.
 pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static str] {
-    form_of(channel, effect).map_or(&[], |i| FORMS[i].1)
+    form_of(channel, effect).map_or(&[], |i| forms(channel)[i].1)
 }
 
 /// True if `effect` is a spring that fatigues with travel.

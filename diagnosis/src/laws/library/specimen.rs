@@ -1,8 +1,8 @@
 //! Effects between displacement and force; columns in N.
 
 use super::candidate::{
-    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, once,
-    positive, rest_ratio, settling, stribeck,
+    Candidate, Known, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none,
+    once, positive, rest_ratio, settling, stribeck,
 };
 use crate::numbers::linear::Bound;
 use crate::numbers::operators as op;
@@ -103,6 +103,35 @@ pub const ROUNDED_LIMIT: Candidate = Candidate {
     parameters: |_, p, _| vec![("limit_n", "N", p[0])],
     ..BASIS
 };
+
+/// A force limit whose two ends are not equally far from zero, as of an amplifier that was balanced under load: half of the
+/// distance between them, and their middle.
+pub const OFF_CENTRE_LIMIT: Candidate = Candidate {
+    effect: Effect::Saturation,
+    shapes: |s| {
+        vec![
+            Shape::new(0.3 * s.base, 0.998 * s.base),
+            Shape::new(-0.5 * s.base, 0.5 * s.base),
+        ]
+    },
+    columns: |s, p, _| between(s, [p[1] - p[0], p[1] + p[0]]),
+    bounds: once,
+    parameters: |_, p, _| vec![("lower_n", "N", p[1] - p[0]), ("upper_n", "N", p[1] + p[0])],
+    ..BASIS
+};
+
+/// What two limits take from the force.
+fn between(s: &Signals, [lower, upper]: [f64; 2]) -> Vec<Vec<f64>> {
+    let cut = s.base.iter().map(|f| f.min(upper).max(lower) - f);
+    vec![cut.collect()]
+}
+
+/// Forms that the engine finds in addition to those below, as they are read back from a model file.
+pub const FORMS: &[Known] = &[Known {
+    effect: Effect::Saturation,
+    columns: |s, p, _| between(s, [p[0], p[1]]),
+    stage: None,
+}];
 
 /// Largest rounding of a gap's corners, relative to the gap: there they meet in the middle, and a spring that is felt
 /// there is one that stiffens.
