@@ -362,3 +362,74 @@ fn every_command_for_tests_that_a_page_shows_chooses_some() {
     }
     assert!(seen > 20, "{seen}");
 }
+
+/// The rows of the first table on a page whose head begins so.
+fn rows<'a>(page: &'a str, head: &str) -> Vec<Vec<&'a str>> {
+    page.lines()
+        .skip_while(|line| !line.starts_with(head))
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect()
+}
+
+/// The texts of a drawing's elements of one name, without the tags in them.
+fn texts(drawing: &str, element: &str) -> Vec<String> {
+    let end = format!("</{element}>");
+    drawing
+        .split(&format!("<{element}"))
+        .skip(1)
+        .filter_map(|part| Some(part.split_once(&end)?.0.split(['<', '>'])))
+        .map(|parts| parts.skip(1).step_by(2).collect::<Vec<_>>().join(" "))
+        .collect()
+}
+
+/// The words of a pin's label in any order: pin, number and name, without the connector's.
+fn label(pin: &str) -> BTreeSet<&str> {
+    pin.split(|c: char| !c.is_ascii_alphanumeric())
+        .filter(|word| !word.is_empty() && !word.starts_with("CN"))
+        .collect()
+}
+
+/// A drawn wire has a title with both ends, a pin of the board a label as in the tables.
+#[test]
+fn the_desk_with_external_converters_is_drawn_as_its_tables_say() {
+    let read = |name| fs::read_to_string(root().join("docs").join(name)).unwrap();
+    let (drawing, wiring, desk) = (read("desk-16.svg"), read("wiring-16.md"), read("desk.md"));
+    let (titles, shown) = (texts(&drawing, "title"), texts(&drawing, "text"));
+    let labels: Vec<BTreeSet<&str>> = shown.iter().map(|text| label(text)).collect();
+    let drawn = |title: &str, ends: &[&str]| {
+        let known = titles.iter().any(|t| t == title);
+        assert!(known, "docs/desk-16.svg: there is no wire `{title}`");
+        for end in ends {
+            let known = labels.contains(&label(end));
+            assert!(known, "docs/desk-16.svg: there is no label `{end}`");
+        }
+    };
+
+    let lines = rows(&wiring, "| signal | pin |");
+    assert_eq!(lines.len(), 11);
+    for line in lines {
+        let (pin, connector, chip, outside) = (line[1], line[2], line[3], line[4]);
+        let title = format!("{pin}, {connector}: {chip}, {outside}");
+        drawn(
+            title.trim_end_matches([',', ' ']),
+            &[&format!("{pin} {connector}")],
+        );
+    }
+
+    let section = desk.split("## With external converters").nth(1).unwrap();
+    let wires = rows(section, "| wire | from |");
+    assert_eq!(wires.len(), 4);
+    let mut from = "";
+    for wire in wires {
+        from = Some(wire[1]).filter(|f| *f != "the same").unwrap_or(from);
+        drawn(&format!("{from} to {}", wire[2]), &[from, wire[2]]);
+    }
+    let inputs = rows(section, "| input | from |");
+    assert_eq!(inputs.len(), 4);
+    for input in inputs {
+        let name = input[0].split(',').next().unwrap();
+        drawn(&format!("{} to {name}", input[1]), &[name]);
+    }
+}
