@@ -2,9 +2,9 @@
 
 pub mod plan;
 
-use diagnosis::{ChannelAnswer, DependsOn, FoundEffect, FoundParameter, Verdict};
+use diagnosis::{ChannelAnswer, DependsOn, FoundEffect, FoundParameter, Member, Verdict};
 use experiment::numbers::percent;
-use plant::Channel;
+use plant::{Channel, Effect};
 
 /// The verdict in one sentence.
 pub fn headline(a: &ChannelAnswer) -> String {
@@ -78,29 +78,41 @@ fn disturbed(a: &ChannelAnswer) -> Option<String> {
     (!own.is_empty() && squares >= DISTURBED * r.rms * r.rms).then(|| all.join(" and "))
 }
 
-/// How certain the names are, if the search gives it.
+/// How certain the names are, if the search gives it, and what may be true in the place of each.
 pub fn sureness(a: &ChannelAnswer) -> Option<String> {
-    if !a.members.is_empty() {
-        let each = a.members.iter();
-        let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
-        let all: Vec<String> = each.collect();
-        return Some(format!("Probabilities: {}.", all.join(", ")));
-    }
-    let q = a.effects.iter().filter_map(|e| e.q).reduce(f64::max)?;
+    let open = |e: &&FoundEffect| a.members.iter().any(|m| m.name == e.name);
+    let sure = a.effects.iter().filter(|e| e.q.is_some() && !open(e));
+    let sure: Vec<Member> = sure
+        .filter_map(|e| Some((e.name, e.p?)).map(member))
+        .collect();
+    let said = match (&sure[..], &a.members[..]) {
+        ([], []) => return None,
+        ([one], []) => format!(
+            "Of names given with this certainty or more at most {:.0} in 100 are false.",
+            100.0 * (1.0 - one.probability)
+        ),
+        (sure, []) | ([], sure) => format!("Probabilities: {}.", each(sure)),
+        (sure, open) => format!("Probabilities: {}; beside that {}.", each(sure), each(open)),
+    };
     let rivals: Vec<String> = a.effects.iter().filter_map(rivals).collect();
-    Some(format!(
-        "Of names given with this certainty or more at most {:.0} in 100 are false.{}",
-        100.0 * q,
-        rivals.concat()
-    ))
+    Some(said + &rivals.concat())
+}
+
+const fn member((name, probability): (Effect, f64)) -> Member {
+    Member { name, probability }
+}
+
+/// Names with their probabilities.
+fn each(members: &[Member]) -> String {
+    let each = members.iter();
+    let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// The names that may be true in place of a given one.
 fn rivals(effect: &FoundEffect) -> Option<String> {
-    let each = effect.rivals.iter();
-    let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
-    let all: Vec<String> = each.collect();
-    (!all.is_empty()).then(|| format!(" In the place of {}: {}.", effect.name, all.join(", ")))
+    let rivals = &effect.rivals[..];
+    (!rivals.is_empty()).then(|| format!(" In the place of {}: {}.", effect.name, each(rivals)))
 }
 
 /// A multiple; without noise the exact number does not matter.
@@ -436,6 +448,36 @@ mod tests {
         assert!(
             !said.contains("--next") && said.contains("nothing is added"),
             "{said}"
+        );
+    }
+
+    #[test]
+    fn each_name_has_its_certainty_and_its_rivals_behind_it() {
+        let mut a = answer(|_, _| 0.0);
+        assert_eq!(sureness(&a), None);
+        let given = |(name, p): (Effect, f64)| FoundEffect {
+            q: Some(1.0 - p),
+            p: Some(p),
+            name,
+            family: name.entry().family,
+            parameters: Vec::new(),
+            rivals: Vec::new(),
+        };
+        a.effects = vec![given((Effect::CoulombFriction, 0.96))];
+        let said = sureness(&a).unwrap();
+        assert!(said.ends_with("at most 4 in 100 are false."), "{said}");
+        a.effects.push(given((Effect::Backlash, 0.8)));
+        a.effects[1].rivals = vec![member((Effect::DeadBand, 0.15))];
+        let two = "Probabilities: coulomb_friction 96 %, backlash 80 %";
+        let rival = " In the place of backlash: dead_band 15 %.";
+        assert_eq!(sureness(&a).unwrap(), format!("{two}.{rival}"));
+        a.members = vec![member((Effect::Drift, 0.6)), member((Effect::Offset, 0.3))];
+        let beside = "; beside that drift 60 %, offset 30 %.";
+        assert_eq!(sureness(&a).unwrap(), format!("{two}{beside}{rival}"));
+        a.effects.clear();
+        assert_eq!(
+            sureness(&a).unwrap(),
+            "Probabilities: drift 60 %, offset 30 %."
         );
     }
 

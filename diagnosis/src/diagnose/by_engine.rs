@@ -295,11 +295,7 @@ impl ChannelDiagnosis<'_> {
         answer.improvement_ci90 = gain;
         channel.data.save(fit, improved);
         if is_set {
-            let whole: f64 = names.iter().map(|s| s.1).sum();
-            let member = |&(name, p): &(Effect, f64)| Member {
-                name,
-                probability: p / whole.max(1.0),
-            };
+            let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
             answer.members = names.iter().map(member).collect();
             answer.alternatives = names[1..].iter().map(|s| s.0).collect();
             answer

@@ -47,7 +47,7 @@ pub struct FoundEffect {
     /// Expected share of false names among all names given with this confidence or more; null in a set, whose members
     /// have probabilities.
     pub q: Option<f64>,
-    /// Probability that the rig has it: `1 - q` of a name; of the preferred member of a set its share.
+    /// Probability that the rig has it: `1 - q` of a name, a member's own in a set.
     pub p: Option<f64>,
     /// What may be in the rig in its place, the likeliest first; empty in a set, whose members are each other's rivals.
     pub rivals: Vec<Member>,

@@ -2,8 +2,10 @@
 //! different causes give the same force, whatever fits.
 
 use crate::criteria::specimen::TOGETHER;
-use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
-use crate::model::answer::{ChannelAnswer, Member, Verdict};
+use crate::criteria::{
+    LARGEST_SET, LEAST_SURE, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW,
+};
+use crate::model::answer::{ChannelAnswer, FoundEffect, Member, Verdict};
 use crate::model::base::Base;
 use crate::record::recording::{Recording, range};
 use crate::record::spectrum::{Density, motion_band_hz, smooth};
@@ -299,6 +301,32 @@ fn commonness(name: Effect) -> f64 {
     }
 }
 
+/// Adds the names of a group that the motion cannot tell apart. The data give the group's probability, and `commonness` each
+/// name's share of what the added names have with the likeliest; other names keep theirs.
+fn share(all: &mut Vec<Member>, group: &[Effect], held: &[Effect]) {
+    let inside = |m: &Member| group.contains(&m.name);
+    let of_group = |all: &[Member]| -> Vec<f64> {
+        let own = all.iter().filter(|m| inside(m));
+        own.map(|m| m.probability).collect()
+    };
+    let before = of_group(all);
+    let most = before.iter().copied().fold(0.0, f64::max);
+    let usual = held.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
+    for &name in group {
+        // At one speed, friction that falls with speed is friction.
+        let friction = |n: Effect| n.entry().family == Family::Friction;
+        let there = |m: &Member| m.name == name || friction(m.name) && friction(name);
+        if all.len() < LARGEST_SET && !all.iter().any(there) {
+            let probability = most * (commonness(name) / usual).min(1.0);
+            all.push(Member { name, probability });
+        }
+    }
+    let [before, after] = [before, of_group(all)].map(|own| own.iter().sum::<f64>());
+    for m in all.iter_mut().filter(|m| inside(m)) {
+        m.probability *= before / after.max(f64::MIN_POSITIVE);
+    }
+}
+
 /// Turns every name that the motion cannot tell from others into a set, and adds a note.
 pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
     let named = matches!(
@@ -315,34 +343,14 @@ pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
         };
         answer.notes.push(deficiency.sentence.clone());
         let held: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
-        let mut all: Vec<Member> = answer.members.clone();
-        if all.is_empty() {
-            let names = held.iter().chain(&answer.alternatives);
-            all = names
-                .map(|&name| Member {
-                    name,
-                    probability: 1.0,
-                })
-                .collect();
-        }
-        let inside = |m: &&Member| group.contains(&m.name);
-        let most = all
-            .iter()
-            .filter(inside)
-            .map(|m| m.probability)
-            .fold(0.0, f64::max);
-        let usual = held.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
-        for &name in &group {
-            // At one speed, friction that falls with speed is friction.
-            let friction = |n: Effect| n.entry().family == Family::Friction;
-            let there = |m: &Member| m.name == name || friction(m.name) && friction(name);
-            if all.len() < LARGEST_SET && !all.iter().any(there) {
-                let probability = most * (commonness(name) / usual).min(1.0);
-                all.push(Member { name, probability });
-            }
-        }
-        let whole: f64 = all.iter().map(|m| m.probability).sum();
-        all.iter_mut().for_each(|m| m.probability /= whole);
+        let is_member = |e: &&FoundEffect| answer.members.iter().any(|m| m.name == e.name);
+        let sure = answer.effects.iter().filter(|e| !is_member(e));
+        let sure = sure.map(|e| Member {
+            name: e.name,
+            probability: 1.0 - e.q.unwrap_or(LEAST_SURE),
+        });
+        let mut all: Vec<Member> = sure.chain(answer.members.iter().copied()).collect();
+        share(&mut all, &group, &held);
         answer.alternatives = all
             .iter()
             .map(|m| m.name)
@@ -362,6 +370,22 @@ mod tests {
 
     fn record(x: impl Fn(f64) -> f64) -> Vec<(Vec<f64>, f64)> {
         vec![((0..6000).map(|i| x(f64::from(i) * 5e-3)).collect(), 5e-3)]
+    }
+
+    #[test]
+    fn a_group_shares_its_probability_and_leaves_the_others_theirs() {
+        let [friction, hysteresis, offset] = [
+            Effect::CoulombFriction,
+            Effect::BilinearHysteresis,
+            Effect::Offset,
+        ];
+        let member = |(name, probability)| Member { name, probability };
+        let mut all = [(friction, 0.9), (offset, 0.8)].map(member).to_vec();
+        share(&mut all, &[friction, hysteresis], &[friction]);
+        let p = |name| all.iter().find(|m| m.name == name).unwrap().probability;
+        assert!((p(friction) + p(hysteresis) - 0.9).abs() < 1e-12, "{all:?}");
+        assert!((p(hysteresis) / p(friction) - 0.7).abs() < 1e-12, "{all:?}");
+        assert!((p(offset) - 0.8).abs() < 1e-12, "{all:?}");
     }
 
     #[test]

@@ -40,8 +40,10 @@ fn specimens_are_answered_as_their_causes_say() {
         match a.verdict {
             Verdict::Ambiguous => {
                 assert!((2..=5).contains(&a.members.len()));
+                // One of them is probably in the rig, and so may be two.
                 let whole: f64 = a.members.iter().map(|m| m.probability).sum();
-                assert!(whole > 0.85 && whole < 1.0 + 1e-9, "{}: {whole}", case.id);
+                let each = a.members.iter().all(|m| m.probability <= 1.0);
+                assert!(whole > 0.85 && each, "{}: {whole}", case.id);
             }
             // More likely right than wrong, but less certain than a law of the table that leaves only noise.
             _ => assert!(

@@ -90,71 +90,77 @@ impl ActuatorData<'_> {
                 });
             }
         }
-        let [gain, .., offset] = fit.declared;
         let mut amplitudes = fit.amplitudes.iter();
         for part in &fit.model.parts {
-            let [a, b, c, d] = part.shapes;
-            let mut strength = || amplitudes.next().copied().unwrap_or(0.0);
-            let width = a * gain.abs();
-            let lag_ms = 1e3 * fit.declared[2];
-            let parameters = match part.kind {
-                PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
-                PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
-                PartKind::TwoSpeeds => vec![("flow_difference", a)],
-                PartKind::OilColumn if c == 0.0 => vec![("frequency_hz", a), ("damping_ratio", b)],
-                PartKind::OilColumn => vec![
-                    ("frequency_hz", a),
-                    ("damping_ratio", b),
-                    ("damping_s_per_mm", c / gain.abs()),
-                ],
-                PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
-                PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
-                PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
-                PartKind::Load | PartKind::Sag => continue,
-                PartKind::Play => vec![("width_mm", width)],
-                // After gain and offset, as in a model file.
-                PartKind::DeadBand => {
-                    vec![("width_mm", width), ("middle_mm", b * gain + offset)]
-                }
-                PartKind::Stops => vec![
-                    ("lower_mm", a * gain + offset),
-                    ("upper_mm", b * gain + offset),
-                ],
-                PartKind::Friction if b == 0.0 => {
-                    vec![("error_mm", strength()), ("presliding_mm", width)]
-                }
-                PartKind::Friction => vec![
-                    ("error_mm", strength()),
-                    ("presliding_mm", width),
-                    ("roundness", b),
-                ],
-                PartKind::Seal => vec![
-                    ("oil_bend_mm", a),
-                    ("presliding_mm", b),
-                    ("valve_lag_ms", lag_ms),
-                ],
-                PartKind::StickySeal => vec![
-                    ("oil_bend_mm", a),
-                    ("presliding_mm", b),
-                    ("rest_ratio", c),
-                    ("stribeck_mm_per_s", d),
-                    ("valve_lag_ms", lag_ms),
-                ],
-                PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
-                // The library counts half of it in the gain, and has no separate lag for the return.
-                PartKind::SideGain => vec![("difference", strength() / gain)],
-                PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
-                PartKind::GainDrift if b == 0.0 => {
-                    vec![("change", strength() / gain), ("time_constant_s", a)]
-                }
-                PartKind::GainDrift => vec![
-                    ("change", strength() / gain),
-                    ("time_constant_s", a),
-                    ("own_heat_per_mm2", b / gain.powi(2)),
-                ],
-            };
+            let own = part.kind.is_column().then(|| amplitudes.next());
+            let strength = own.flatten().copied().unwrap_or(0.0);
+            let parameters = saved(part, strength, &fit.declared);
             effects.extend(part.kind.effect().map(|e| EffectSpec::new(e, &parameters)));
         }
+    }
+}
+
+/// The parameters of a part in a model file: from its strength and shapes, after a declared gain, lag and offset.
+fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'static str, f64)> {
+    let [gain, _, lag_s, offset] = *declared;
+    let [a, b, c, d] = part.shapes;
+    let width = a * gain.abs();
+    let lag_ms = 1e3 * lag_s;
+    match part.kind {
+        PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
+        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
+        PartKind::TwoSpeeds => vec![("flow_difference", a)],
+        PartKind::OilColumn if c == 0.0 => vec![("frequency_hz", a), ("damping_ratio", b)],
+        PartKind::OilColumn => vec![
+            ("frequency_hz", a),
+            ("damping_ratio", b),
+            ("damping_s_per_mm", c / gain.abs()),
+        ],
+        PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
+        PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
+        PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
+        PartKind::Load | PartKind::Sag => Vec::new(),
+        PartKind::Play => vec![("width_mm", width)],
+        // After gain and offset, as in a model file.
+        PartKind::DeadBand => {
+            vec![("width_mm", width), ("middle_mm", b * gain + offset)]
+        }
+        PartKind::Stops => vec![
+            ("lower_mm", a * gain + offset),
+            ("upper_mm", b * gain + offset),
+        ],
+        PartKind::Friction if b == 0.0 => {
+            vec![("error_mm", strength), ("presliding_mm", width)]
+        }
+        PartKind::Friction => vec![
+            ("error_mm", strength),
+            ("presliding_mm", width),
+            ("roundness", b),
+        ],
+        PartKind::Seal => vec![
+            ("oil_bend_mm", a),
+            ("presliding_mm", b),
+            ("valve_lag_ms", lag_ms),
+        ],
+        PartKind::StickySeal => vec![
+            ("oil_bend_mm", a),
+            ("presliding_mm", b),
+            ("rest_ratio", c),
+            ("stribeck_mm_per_s", d),
+            ("valve_lag_ms", lag_ms),
+        ],
+        PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength)],
+        // The library counts half of it in the gain, and has no separate lag for the return.
+        PartKind::SideGain => vec![("difference", strength / gain)],
+        PartKind::Drift => vec![("rate_mm_per_s", strength / a), ("time_constant_s", a)],
+        PartKind::GainDrift if b == 0.0 => {
+            vec![("change", strength / gain), ("time_constant_s", a)]
+        }
+        PartKind::GainDrift => vec![
+            ("change", strength / gain),
+            ("time_constant_s", a),
+            ("own_heat_per_mm2", b / gain.powi(2)),
+        ],
     }
 }
 
