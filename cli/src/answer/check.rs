@@ -9,7 +9,7 @@ use experiment::numbers::{length, percent, percent_or_lost, three};
 use experiment::soundness::Judgement;
 use experiment::stability::Stability;
 use experiment::stability::growth::SmallMotions;
-use experiment::stability::limits::StabilityLimit;
+use experiment::stability::limits::{LimitSearch, StabilityLimit};
 
 /// A check, and the further data of its page.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +54,20 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
     d.table(compensations(a));
     d.heading("Modes");
     d.table(modes(a));
-    d.heading("Margins");
-    d.table(margins(a));
+    margins(
+        &mut d,
+        &[
+            ("delay", &a.limits.delay, " ms", LARGEST),
+            ("loop gain", &a.limits.gain, "", LARGEST),
+            (
+                "time scale",
+                &a.limits.time_scale_needed,
+                "",
+                ["at least ", "down to"],
+            ),
+        ],
+        "These margins are of small motions alone: the planned motion may be poor within them.",
+    );
     d.heading("Where the delay comes from");
     d.table(budget(a));
     let p = &a.perturbed;
@@ -119,13 +131,19 @@ fn deviations(a: &Stability) -> String {
 fn tiles(d: &mut Document, c: &CheckSection<'_>, planned: &TestSection<'_>) {
     let (j, a) = (c.judgement, c.answer);
     let delay = &a.limits.delay;
-    let limit = match delay.limit {
-        None => "; no limit was found".into(),
-        Some(limit) => format!(
+    let limit = match delay.search {
+        LimitSearch::Found { limit, .. } => format!(
             "; with {} as it is configured small motions grow from {} ms on",
             a.row.compensation,
             three(limit)
         ),
+        LimitSearch::BeyondRange { searched_to } | LimitSearch::Refused { searched_to, .. } => {
+            format!(
+                "; up to {} ms small motions do not grow",
+                three(searched_to)
+            )
+        }
+        LimitSearch::NoMargin { .. } => String::new(),
     };
     d.tiles(vec![
         (
@@ -245,42 +263,46 @@ fn modes(a: &Stability) -> Table {
     t
 }
 
-fn margin(percent: Option<f64>) -> String {
-    percent.map_or_else(|| "-".into(), |m| format!("{m:.1} %"))
-}
+/// The name of a quantity, its limit, its unit, and the words before its limit and before the end of its range.
+pub(super) type MarginRow<'a> = (&'a str, &'a StabilityLimit, &'a str, [&'a str; 2]);
 
-fn found(limit: Option<f64>, said: &dyn Fn(f64) -> String) -> String {
-    limit.map_or_else(|| "none found".into(), said)
-}
+/// The words where the limit is the largest value.
+pub(super) const LARGEST: [&str; 2] = ["", "up to"];
 
-/// A row for each name with its limit and unit.
-pub(super) fn limits(rows: &[(&str, &StabilityLimit, &str)]) -> Table {
+/// The margins, and `what` they are of.
+pub(super) fn margins(d: &mut Document, rows: &[MarginRow<'_>], what: &str) {
+    d.heading("Margins");
     let mut t = table(&["", "present", "limit", "margin"]);
-    for (name, l, unit) in rows {
+    let mut refused = Vec::new();
+    for (name, l, unit, [at, to]) in rows {
         let said = |x: f64| format!("{x:.3}{unit}");
-        t.add_row([
-            (*name).to_owned(),
-            said(l.present),
-            found(l.limit, &said),
-            margin(l.margin_percent),
-        ]);
+        let none = |x: f64| format!("none {to} {}", said(x));
+        let (limit, margin) = match &l.search {
+            LimitSearch::Found {
+                limit,
+                margin_percent,
+            } => (format!("{at}{}", said(*limit)), *margin_percent),
+            LimitSearch::BeyondRange { searched_to } => (none(*searched_to), None),
+            LimitSearch::Refused { searched_to, why } => {
+                refused.push(format!(
+                    "The search over the {name} ended at a refusal: {why}."
+                ));
+                (none(*searched_to), None)
+            }
+            LimitSearch::NoMargin { why } => {
+                d.say(format!("There are no margins: {why}."));
+                return;
+            }
+        };
+        let margin = margin.map_or_else(|| "-".into(), |m| format!("{m:.1} %"));
+        t.add_row([(*name).to_owned(), said(l.present), limit, margin]);
     }
-    t
-}
-
-fn margins(a: &Stability) -> Table {
-    let mut t = limits(&[
-        ("delay", &a.limits.delay, " ms"),
-        ("loop gain", &a.limits.gain, ""),
-    ]);
-    let needed = a.limits.time_scale_needed;
-    t.add_row([
-        "time scale".to_owned(),
-        format!("{:.3}", a.time_scale),
-        found(needed, &|x| format!("at least {x:.3}")),
-        margin(needed.map(|x| (a.time_scale / x - 1.0) * 100.0)),
-    ]);
-    t
+    d.table(t);
+    refused.into_iter().for_each(|sentence| d.say(sentence));
+    d.say(format!(
+        "Delay and gain change on the rig alone: the loop does not know of it and keeps its parameters. A test that declares the \
+         change may be stable beyond the limit. {what}"
+    ));
 }
 
 fn budget(a: &Stability) -> Table {

@@ -1,6 +1,6 @@
 //! A check of two coupled actuators, and the further figures of their test.
 
-use super::check::{expected, limits, said};
+use super::check::{LARGEST, expected, margins, said};
 use super::figures::Figures;
 use super::section::{TestSection, lead};
 use super::summaries::{rotation, tracking};
@@ -49,7 +49,7 @@ pub(super) fn tiles(c: &CoupledFigures) -> [(String, String); 2] {
 pub fn of_coupled_check(
     experiment: &Experiment,
     c: &CoupledCheck,
-    margins: &CoupledMargins,
+    found: &CoupledMargins,
     planned: Option<(&Trace, &Response)>,
 ) -> Document {
     let title = format!("May this test be run? {}", c.planned.record);
@@ -96,16 +96,15 @@ pub fn of_coupled_check(
         c.lost,
         percent(c.drawn_eps_rms)
     ));
-    d.heading("Margins");
-    d.table(limits(&[
-        (
-            "delay of the later actuator, both later by as much",
-            &margins.delay,
-            " ms",
-        ),
-        ("factor on all gains", &margins.gain, ""),
-    ]));
-    d.say("The loop does not know of the change. Beyond the limit the planned motion is lost or its error exceeds 10 % rms.");
+    let later = "delay of the later actuator, both later by as much";
+    margins(
+        &mut d,
+        &[
+            (later, &found.delay, " ms", LARGEST),
+            ("factor on all gains", &found.gain, "", LARGEST),
+        ],
+        "These margins are of the planned motion: beyond them it is lost or its error exceeds 10 % rms.",
+    );
     if let Some((trace, ideal)) = planned {
         let section = TestSection {
             experiment,

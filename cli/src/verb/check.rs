@@ -91,12 +91,7 @@ impl Check {
             test.config.compensation.kind = method(name)?;
         }
         let experiment = self.experiment(&test)?;
-        let answer = {
-            let question = experiment.small_motions(Learning::On)?;
-            let progress = Progress::over("rigs", spread.plants as u64);
-            stability::answer(&question, &spread, || progress.add(1))?
-        };
-        let judgement = judge(&experiment, &spread, &answer)?;
+        let (judgement, answer) = judge(&experiment, &spread)?;
         let whole = CheckAnswer {
             judgement: &judgement,
             answer: &answer,
@@ -144,22 +139,26 @@ impl Check {
     }
 }
 
-/// The verdict, with better alternatives.
-fn judge(
-    experiment: &Experiment,
-    spread: &Spread,
-    answer: &Stability,
-) -> Result<Judgement, Failure> {
+/// The verdict, with better alternatives, and what small motions say.
+fn judge(experiment: &Experiment, spread: &Spread) -> Result<(Judgement, Stability), Failure> {
     let test = &experiment.test;
-    let progress = Progress::over("tests", 3);
-    let mut judgement = soundness::judge(experiment, spread, || progress.add(1))?;
+    let mut judgement = {
+        let progress = Progress::over("tests", 3);
+        soundness::judge(experiment, spread, || progress.add(1))?
+    };
+    let unstable = judgement.verdict == SoundnessVerdict::Unstable;
+    let answer = {
+        let question = experiment.small_motions(Learning::On)?;
+        let progress = Progress::over("rigs", spread.plants as u64);
+        stability::answer(&question, spread, unstable, || progress.add(1))?
+    };
     let not_stable = judgement.verdict != SoundnessVerdict::Stable;
     let by_small_motions = not_stable && soundness::fixed(test);
     if let Some(reason) = answer.reason.as_ref().filter(|_| by_small_motions) {
         judgement.reason = reason.clone();
     }
     judgement.add_alternatives(experiment)?;
-    Ok(judgement)
+    Ok((judgement, answer))
 }
 
 /// The result; for a page the planned motion runs again, with every step kept.

@@ -60,11 +60,13 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
     check.judgement.add_alternatives(&experiment)?;
     let margins = {
         let progress = Progress::over("margins", margins::RUNS);
-        margins::of(&experiment, seed, |runs| progress.add(runs))?
+        margins::of(&experiment, check.judgement.verdict, seed, |runs| {
+            progress.add(runs);
+        })?
     };
     let whole = CoupledCheckAnswer {
         check: &check,
-        margins,
+        margins: &margins,
     };
     let text = json(&WithProvenance::seeded(&whole, seed))?;
     hand_over(
@@ -90,5 +92,5 @@ pub(crate) struct CoupledCheckAnswer<'a> {
     #[serde(flatten)]
     check: &'a CoupledCheck,
     /// By how much delay and gains may grow.
-    margins: CoupledMargins,
+    margins: &'a CoupledMargins,
 }

@@ -12,39 +12,101 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A quantity, its limit and the margin between them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+/// A quantity and its limit.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
-    /// Where small motions begin to grow, of two coupled actuators where the planned motion becomes poor; null: nowhere within
-    /// the range that was searched.
-    pub limit: Option<f64>,
-    /// Distance to the limit, per cent of the present value; negative: beyond it; null: no limit, or no present value above 0.
-    pub margin_percent: Option<f64>,
+    /// Where the search for the limit ended.
+    #[serde(flatten)]
+    pub search: LimitSearch,
+}
+
+/// Where a search for a limit ended.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "search", rename_all = "snake_case")]
+pub enum LimitSearch {
+    /// At the limit.
+    Found {
+        /// Where small motions begin to grow, of two coupled actuators where the planned motion becomes poor.
+        limit: f64,
+        /// Distance to it, per cent of the present value, of a time scale per cent of the limit; null: no present value above 0.
+        margin_percent: Option<f64>,
+    },
+    /// At the end of the range, without a limit.
+    BeyondRange {
+        /// That end.
+        searched_to: f64,
+    },
+    /// Without a limit, at a rig or a test that is refused.
+    Refused {
+        /// The last value that is not refused.
+        searched_to: f64,
+        /// The refusal.
+        why: String,
+    },
+    /// It was not begun: there is no margin.
+    NoMargin {
+        /// Why not.
+        why: String,
+    },
 }
 
 impl StabilityLimit {
-    pub(crate) fn new(present: f64, limit: Option<f64>) -> Self {
-        Self {
-            present,
+    /// Searches for the change above 0 up to which `good` holds, in growing steps from `from`, at most to `to`, and by bisection.
+    /// `value`: the quantity after such a change; `none`: why there is no margin.
+    pub(crate) fn search(
+        (present, none): (f64, Option<&str>),
+        (from, to, bisections): (f64, f64, usize),
+        value: impl Fn(f64) -> f64,
+        good: impl Fn(f64) -> Result<bool, Failure>,
+    ) -> Self {
+        let (mut at, mut step) = (0.0, from);
+        let search = loop {
+            if let Some(why) = none {
+                break LimitSearch::NoMargin { why: why.into() };
+            }
+            if at >= to {
+                let searched_to = value(to);
+                break LimitSearch::BeyondRange { searched_to };
+            }
+            let next = f64::min(at + step, to);
+            match good(next) {
+                Ok(true) => (at, step) = (next, 1.5 * step),
+                bad => {
+                    let (at, bad) = bisect(at, (next, bad), bisections, good);
+                    break ended(present, value(at), bad);
+                }
+            }
+        };
+        Self { present, search }
+    }
+}
+
+/// The end of a search at `limit`, and what is just beyond.
+fn ended(present: f64, limit: f64, beyond: Result<bool, Failure>) -> LimitSearch {
+    match beyond {
+        Err(refusal) => LimitSearch::Refused {
+            searched_to: limit,
+            why: refusal.to_string(),
+        },
+        Ok(_) => LimitSearch::Found {
             limit,
-            margin_percent: limit
-                .filter(|_| present > 0.0)
-                .map(|l| (l / present - 1.0) * 100.0),
-        }
+            margin_percent: (present > 0.0)
+                .then(|| 100.0 * ((limit / present).max(present / limit) - 1.0)),
+        },
     }
 }
 
 /// The limits of a loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct StabilityLimits {
     /// Delay of the measured behind the commanded displacement at the first natural frequency, ms of the laboratory.
     pub delay: StabilityLimit,
     /// Force that is fed back, relative to the one that would be right.
     pub gain: StabilityLimit,
-    /// The smallest time scale at which it is stable; null: none up to 1000.
-    pub time_scale_needed: Option<f64>,
+    /// Time scale: the limit is the smallest.
+    pub time_scale_needed: StabilityLimit,
 }
 
 /// A part of the delay.
@@ -85,54 +147,70 @@ pub fn lateness_of(
     )
 }
 
-/// All limits.
+/// All limits. The rig alone changes, not what the loop knows of it; the time scale is the loop's. `none`: why the test has no
+/// margins.
 ///
 /// # Errors
 /// A test that cannot be set up.
-pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<StabilityLimits, Failure> {
+pub fn of(
+    question: &Question<'_>,
+    structure: &StructureModes,
+    none: Option<&str>,
+) -> Result<StabilityLimits, Failure> {
+    let timing = &question.config.timing;
     let stable = |vary: Variation| Ok(question.small_motions(structure, &vary)?.stable);
-    let late_ms = |vary: Variation| Ok(lateness_of(question, structure, &vary)? * 1e3);
-    let now = stable(Variation::NONE)?;
-    let present_ms = late_ms(Variation::NONE)?;
-    let later = |s: f64| Variation {
-        extra_s: s,
-        ..Variation::NONE
-    };
+    let present_ms = 1e3 * lateness_of(question, structure, &Variation::NONE)?;
+    let period_s = std::f64::consts::TAU / structure.omega[0] * timing.time_scale;
+    let longest_s = LONGEST_PERIODS * period_s;
+    Ok(StabilityLimits {
+        delay: StabilityLimit::search(
+            (present_ms, none),
+            (0.5 / timing.rate_hz, longest_s, BISECTIONS),
+            |s| present_ms + 1e3 * s,
+            |s| stable(Variation::later(s)),
+        ),
+        gain: StabilityLimit::search(
+            (1.0, none),
+            (0.01, MOST - 1.0, BISECTIONS),
+            |x| 1.0 + x,
+            |x| stable(Variation::stronger(1.0 + x)),
+        ),
+        time_scale_needed: StabilityLimit::search(
+            (timing.time_scale, none),
+            (0.3, MOST - 1.0, BISECTIONS),
+            |x| timing.time_scale / (1.0 + x),
+            |x| stable_in_time(question, timing.time_scale / (1.0 + x)),
+        ),
+    })
+}
+
+/// What would make growing small motions decay, in words: a shorter delay, a weaker force, a slower test.
+///
+/// # Errors
+/// A rig that cannot be built.
+pub fn remedies(
+    question: &Question<'_>,
+    structure: &StructureModes,
+) -> Result<Vec<String>, Failure> {
+    let stable = |vary: Variation| Ok(question.small_motions(structure, &vary)?.stable);
+    // Scales all times of the actuator together.
     let sooner = |f: f64| Variation {
         delay: f,
         ..Variation::NONE
     };
-    let stronger = |g: f64| Variation {
-        gain: g,
-        ..Variation::NONE
-    };
-    let period_s = std::f64::consts::TAU / structure.omega[0] * question.config.timing.time_scale;
-    let delay = if now {
-        let shortest = 0.5 / question.config.timing.rate_hz;
-        beyond(shortest, LONGEST_PERIODS * period_s, BISECTIONS, |s| {
-            stable(later(s))
-        })?
-        .map(|s| late_ms(later(s)))
-        .transpose()?
-    } else {
-        // Scale all times of the actuator together.
-        below(1.0, 1e-3, |f| stable(sooner(f)))?
-            .map(|f| late_ms(sooner(f)))
-            .transpose()?
-    };
-    let gain = if now {
-        beyond(0.01, MOST, BISECTIONS, |extra| {
-            stable(stronger(1.0 + extra))
-        })?
-        .map(|extra| 1.0 + extra)
-    } else {
-        below(1.0, 1e-3, |g| stable(stronger(g)))?
-    };
-    Ok(StabilityLimits {
-        delay: StabilityLimit::new(present_ms, delay),
-        gain: StabilityLimit::new(1.0, gain),
-        time_scale_needed: time_scale(question)?,
-    })
+    let slower = |f: f64| question.config.timing.time_scale / f;
+    let mut would = Vec::new();
+    if let Some(f) = below(|f| stable(sooner(f))) {
+        let ms = 1e3 * lateness_of(question, structure, &sooner(f))?;
+        would.push(format!("a delay below {ms:.3} ms"));
+    }
+    if let Some(gain) = below(|f| stable(Variation::stronger(f))) {
+        would.push(format!("a loop gain below {gain:.3}"));
+    }
+    if let Some(f) = below(|f| stable_in_time(question, slower(f))) {
+        would.push(format!("a time scale of at least {:.3}", slower(f)));
+    }
+    Ok(would)
 }
 
 /// Number of points of [`over_delay`].
@@ -150,8 +228,8 @@ pub fn over_delay(
 ) -> Result<Vec<(f64, f64)>, Failure> {
     let structure = StructureModes::of(question.config)?;
     let present_ms = limits.delay.present;
-    let further_ms = match limits.delay.limit {
-        Some(limit) if limit > present_ms => 1.5 * (limit - present_ms),
+    let further_ms = match limits.delay.search {
+        LimitSearch::Found { limit, .. } => 1.5 * (limit - present_ms),
         _ => present_ms,
     };
     let shorter = (0..POINTS / 4).map(|k| Variation {
@@ -172,109 +250,49 @@ pub fn over_delay(
         .collect()
 }
 
-/// The value above 0 up to which `stable` holds, searched in growing steps from `from`, at most to `to`; a rig that is
-/// refused ends the search.
-pub(crate) fn beyond(
-    from: f64,
-    to: f64,
-    bisections: usize,
-    stable: impl Fn(f64) -> Result<bool, Failure>,
-) -> Result<Option<f64>, Failure> {
-    let (mut good, mut step) = (0.0, from);
-    loop {
-        let next = f64::min(good + step, to);
+/// The largest factor below 1, down to a thousandth, at which `stable` holds; a refusal ends the search.
+fn below(stable: impl Fn(f64) -> Result<bool, Failure>) -> Option<f64> {
+    let mut bad = 1.0;
+    while bad > 1e-3 {
+        let next = 0.8 * bad;
         match stable(next) {
-            Ok(true) => {}
-            Ok(false) => return bisect(good, next, bisections, stable).map(Some),
-            Err(_) => return Ok(None),
-        }
-        if next >= to {
-            return Ok(None);
-        }
-        good = next;
-        step *= 1.5;
-    }
-}
-
-/// The largest value below `from`, down to `to`, at which `stable` holds; a rig that is refused ends the search.
-fn below(
-    from: f64,
-    to: f64,
-    stable: impl Fn(f64) -> Result<bool, Failure>,
-) -> Result<Option<f64>, Failure> {
-    let mut bad = from;
-    loop {
-        let next = bad * 0.8;
-        if next < to {
-            return Ok(None);
-        }
-        match stable(next) {
-            Ok(true) => return bisect(next, bad, BISECTIONS, stable).map(Some),
+            Ok(true) => return Some(bisect(next, (bad, Ok(false)), BISECTIONS, stable).0),
             Ok(false) => bad = next,
-            Err(_) => return Ok(None),
+            Err(_) => return None,
         }
     }
+    None
 }
 
+/// Brings a value at which `stable` holds and one at which it does not nearer to each other: the former, and what is just beyond.
 fn bisect(
     mut good: f64,
-    mut bad: f64,
+    mut bad: (f64, Result<bool, Failure>),
     bisections: usize,
     stable: impl Fn(f64) -> Result<bool, Failure>,
-) -> Result<f64, Failure> {
+) -> (f64, Result<bool, Failure>) {
     for _ in 0..bisections {
-        let middle = 0.5 * (good + bad);
-        if stable(middle)? {
-            good = middle;
-        } else {
-            bad = middle;
+        let middle = 0.5 * (good + bad.0);
+        match stable(middle) {
+            Ok(true) => good = middle,
+            beyond => bad = (middle, beyond),
         }
     }
-    Ok(good)
+    (good, bad.1)
 }
 
-/// The smallest time scale at which the test is stable; below the present one if that is already stable.
-fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
-    let stable = |scale: f64| {
-        let mut config = question.config.clone();
-        config.timing.time_scale = scale;
-        // A scale refused by core does not count: too fast for the explicit integration.
-        if config.check().is_err() {
-            return Ok(false);
-        }
-        let question = Question {
-            config: &config,
-            ..*question
-        };
-        let structure = StructureModes::of(&config)?;
-        let row = question.small_motions(&structure, &Variation::NONE)?;
-        Ok(row.stable)
+/// True if small motions decay at another time scale; refused: one that core refuses, as too fast for the explicit integration.
+fn stable_in_time(question: &Question<'_>, scale: f64) -> Result<bool, Failure> {
+    let mut config = question.config.clone();
+    config.timing.time_scale = scale;
+    config.check().map_err(Failure::input)?;
+    let structure = StructureModes::of(&config)?;
+    let question = Question {
+        config: &config,
+        ..*question
     };
-    let present = question.config.timing.time_scale;
-    if stable(present)? {
-        let mut good = present;
-        // Faster until it fails; a test that is stable even a hundred times faster needs no limit.
-        loop {
-            let next = good / 1.3;
-            if next < present / MOST {
-                return Ok(Some(good));
-            }
-            if !stable(next)? {
-                // The slower side is stable: the sides are reversed.
-                return bisect(good, next, BISECTIONS, stable).map(Some);
-            }
-            good = next;
-        }
-    }
-    let mut bad = present;
-    while bad < 1e3 {
-        let next = bad * 1.3;
-        if stable(next)? {
-            return bisect(next, bad, BISECTIONS, stable).map(Some);
-        }
-        bad = next;
-    }
-    Ok(None)
+    let row = question.small_motions(&structure, &Variation::NONE)?;
+    Ok(row.stable)
 }
 
 /// Sampling of both channels on the board.

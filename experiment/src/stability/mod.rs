@@ -66,7 +66,7 @@ pub struct Stability {
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
     pub alternatives: Vec<SmallMotions>,
-    /// Why small motions grow; `None` where they do not.
+    /// Why small motions grow; `None` where they do not, or do not decide.
     #[serde(skip)]
     pub reason: Option<String>,
     /// Notes.
@@ -89,21 +89,28 @@ impl Experiment {
     }
 }
 
-/// All results for a test with its own compensation. `one_done` is called after each perturbed rig.
+/// All results for a test with its own compensation; `unstable`: it is known to be, and so has no margins. `one_done` is called
+/// after each perturbed rig.
 ///
 /// # Errors
 /// A test that cannot be run.
 pub fn answer(
     question: &Question<'_>,
     spread: &Spread,
+    unstable: bool,
     one_done: impl Fn() + Sync,
 ) -> Result<Stability, Failure> {
     let config = question.config;
     let structure = StructureModes::of(config)?;
     let row = question.small_motions(&structure, &Variation::NONE)?;
+    let none = match (unstable, row.stable) {
+        (true, _) => Some("the test is unstable"),
+        (false, false) => Some("small motions grow on the rig as it is"),
+        (false, true) => None,
+    };
     // The limits one after the other, and the rigs in parallel.
     let (limits, perturbed) = rayon::join(
-        || limits::of(question, &structure),
+        || limits::of(question, &structure, none),
         || perturbed::of(question, &structure, spread, &one_done),
     );
     let limits = limits?;
@@ -154,22 +161,15 @@ pub fn answer(
             percent(start.growth_per_s.exp_m1().abs())
         ));
     }
-    answer.reason = (!answer.row.stable).then(|| reason(&answer));
+    if !answer.row.stable && answer.row.decides {
+        let would = limits::remedies(question, &structure)?;
+        answer.reason = Some(reason(&answer, would));
+    }
     Ok(answer)
 }
 
-/// Why small motions grow, and what would prevent it.
-fn reason(a: &Stability) -> String {
-    let mut would = Vec::new();
-    if let Some(ms) = a.limits.delay.limit {
-        would.push(format!("a delay below {ms:.3} ms"));
-    }
-    if let Some(gain) = a.limits.gain.limit {
-        would.push(format!("a loop gain below {gain:.3}"));
-    }
-    if let Some(scale) = a.limits.time_scale_needed {
-        would.push(format!("a time scale of at least {scale:.3}"));
-    }
+/// Why small motions grow, and what would prevent it: the remedies `would`, and other compensations.
+fn reason(a: &Stability, mut would: Vec<String>) -> String {
     let stable: Vec<_> = a
         .alternatives
         .iter()

@@ -30,6 +30,19 @@ impl Variation {
         damping: 1.0,
     };
 
+    /// A pure delay behind the actuator, s, and nothing else.
+    pub const fn later(extra_s: f64) -> Self {
+        Self {
+            extra_s,
+            ..Self::NONE
+        }
+    }
+
+    /// A factor on displacement per command, and nothing else.
+    pub const fn stronger(gain: f64) -> Self {
+        Self { gain, ..Self::NONE }
+    }
+
     /// The rig with these differences; damping is the structure's.
     pub fn of(&self, rig: &RigSpec, config: &Config) -> RigSpec {
         let mut own = rig.clone();
