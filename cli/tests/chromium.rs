@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{command, root};
+use common::{PATIENCE, command, root};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -14,9 +14,6 @@ use tungstenite::{Message, WebSocket};
 
 /// Seconds for which a browser watches; OUTERLOOP_SCOPE_SECONDS changes this.
 const SECONDS: u64 = 8;
-
-/// For events that never come: a slow machine may take long.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A process that ends with the test.
 struct Ended(Child);

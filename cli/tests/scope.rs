@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{command, started};
+use common::{PATIENCE, command, started};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -13,9 +13,6 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
-
-/// For events that never come: a slow machine may take long.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A test in real time with its scope.
 struct Running {

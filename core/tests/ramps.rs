@@ -195,12 +195,12 @@ fn the_ramp_to_a_hold_is_as_long_whatever_noise_a_predictor_hands_on() {
         let ways = [1_u32, 2, 3, 4, 5].map(|seed| {
             let mut rig = Rig::new(40);
             let mut outer = started(&config, &mut rig, &ground(&points));
-            let mut dice = seed;
+            let mut rng = seed;
             for _ in 0..4000 {
                 let mut sample = rig.sample();
-                dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                rng = rng.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 // 100 N rms.
-                sample.force_n[0] += 173.0 * ((dice >> 8) as f32 / 8_388_608.0 - 1.0);
+                sample.force_n[0] += 173.0 * ((rng >> 8) as f32 / 8_388_608.0 - 1.0);
                 rig.sent = outer.step(&sample, &ground(&points)).command_m[0];
             }
             let from = rig.sent;

@@ -44,9 +44,9 @@ const CAUSES: [(Cause, &[Family]); 9] = [
     (LuGreAndCogging, &[Family::Friction]),
 ];
 
-struct Dice(Xoshiro256PlusPlus);
+struct Draws(Xoshiro256PlusPlus);
 
-impl Dice {
+impl Draws {
     fn between(&mut self, low: f64, high: f64) -> f64 {
         let unit = (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         low + (high - low) * unit
@@ -58,15 +58,15 @@ impl Dice {
 }
 
 /// Displacement of a motion at any time: a few sines or a sweep.
-fn motion(dice: &mut Dice) -> impl Fn(f64) -> f64 + use<> {
-    let sweep = dice.between(0.0, 1.0) < 0.5;
-    let (low, high) = (dice.between(0.2, 0.5), dice.between(1.0, 4.0));
+fn motion(rng: &mut Draws) -> impl Fn(f64) -> f64 + use<> {
+    let sweep = rng.between(0.0, 1.0) < 0.5;
+    let (low, high) = (rng.between(0.2, 0.5), rng.between(1.0, 4.0));
     let parts: Vec<[f64; 3]> = (0..5)
         .map(|_| {
             [
-                dice.between(0.2, 1.0),
-                dice.between(low, high),
-                dice.between(0.0, 6.3),
+                rng.between(0.2, 1.0),
+                rng.between(low, high),
+                rng.between(0.0, 6.3),
             ]
         })
         .collect();
@@ -83,8 +83,8 @@ fn motion(dice: &mut Dice) -> impl Fn(f64) -> f64 + use<> {
 }
 
 /// One record of a rig; `truth` are stiffness, damping, mass, `size` the cause's force.
-fn record(cause: Cause, truth: [f64; 3], shape: f64, size: f64, dice: &mut Dice) -> Recording {
-    let x_of = motion(dice);
+fn record(cause: Cause, truth: [f64; 3], shape: f64, size: f64, rng: &mut Draws) -> Recording {
+    let x_of = motion(rng);
     let fine = 20;
     let h = 1.0 / (RATE_HZ * fine as f64);
     let (mut z, mut sliders) = (0.0_f64, [0.0_f64; 30]);
@@ -135,9 +135,9 @@ fn record(cause: Cause, truth: [f64; 3], shape: f64, size: f64, dice: &mut Dice)
         };
         if i % fine == 0 {
             time_s.push(t);
-            xs.push(x + 2e-3 * dice.normal());
+            xs.push(x + 2e-3 * rng.normal());
             let [k, c, m] = truth;
-            forces.push(k * x + c * v + 1e-3 * m * a + extra + 2.0 * dice.normal());
+            forces.push(k * x + c * v + 1e-3 * m * a + extra + 2.0 * rng.normal());
         }
     }
     Recording {
@@ -150,17 +150,17 @@ fn record(cause: Cause, truth: [f64; 3], shape: f64, size: f64, dice: &mut Dice)
 }
 
 fn answer(seed: u64) -> Answered {
-    let dice = &mut Dice(Xoshiro256PlusPlus::seed_from_u64(seed));
+    let rng = &mut Draws(Xoshiro256PlusPlus::seed_from_u64(seed));
     let (cause, families) = CAUSES[(seed % CAUSES.len() as u64) as usize];
     let truth = [
-        50.0 + dice.normal(),
-        0.3 + 0.03 * dice.normal(),
-        20.0 + dice.normal(),
+        50.0 + rng.normal(),
+        0.3 + 0.03 * rng.normal(),
+        20.0 + rng.normal(),
     ];
-    let shape = dice.between(0.0, 1.0);
-    let size = dice.between(40.0, 200.0);
-    let train = record(cause, truth, shape, size, dice);
-    let mut test = record(cause, truth, shape, size, dice);
+    let shape = rng.between(0.0, 1.0);
+    let size = rng.between(40.0, 200.0);
+    let train = record(cause, truth, shape, size, rng);
+    let mut test = record(cause, truth, shape, size, rng);
     test.name = "held out".into();
     let declared = |value, tolerance| Some(Declared { value, tolerance });
     let model = Model {

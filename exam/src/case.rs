@@ -2,7 +2,7 @@
 
 use crate::class::{Class, Options};
 use crate::declared::Declared;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::effect::{Acts, Channel, Scale, family, indistinguishable};
 use crate::excitation::{Excitation, Plan};
 use crate::fine::{derivative, peak, rms};
@@ -43,13 +43,13 @@ const SAMPLES: [usize; 2] = [22_000, 12_000];
 
 /// The case of a class and a seed; the same seed gives the same case.
 pub fn set(class: Class, seed: u64, options: &Options) -> Case {
-    let mut dice = dice(class, seed);
-    let questions = questions(class, seed, &mut dice);
+    let mut rng = rng(class, seed);
+    let questions = questions(class, seed, &mut rng);
     let mut tries = 0;
     loop {
         // Smooth yielding is visible at every usual strength, so a small effect needs an unusually weak one.
         let usual = tries < USUAL_TRIES;
-        if let Some(case) = attempt(class, seed, &questions, options, usual, &mut dice) {
+        if let Some(case) = attempt(class, seed, &questions, options, usual, &mut rng) {
             return case;
         }
         tries += 1;
@@ -58,13 +58,13 @@ pub fn set(class: Class, seed: u64, options: &Options) -> Case {
 
 /// Names that the case of a class and a seed hides, without making the case; empty for an effect that is not in the list.
 pub fn hides(class: Class, seed: u64) -> Vec<&'static str> {
-    let questions = questions(class, seed, &mut dice(class, seed));
+    let questions = questions(class, seed, &mut rng(class, seed));
     questions.into_iter().map(Question::name).collect()
 }
 
 /// Each class has its own random stream.
-fn dice(class: Class, seed: u64) -> Dice {
-    Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56))
+fn rng(class: Class, seed: u64) -> Draws {
+    Draws::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56))
 }
 
 /// Number of rigs drawn before strengths below the usual ones are tried.
@@ -77,12 +77,12 @@ fn attempt(
     questions: &[Question],
     options: &Options,
     usual: bool,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Case> {
-    let lab = Lab::draw(undeclared(questions), dice);
-    let rate_hz = dice.pick(&[1000.0, 2000.0]);
-    let plans = plans(slow_only(class, questions), rate_hz, dice);
-    let commands = plans.map(|p| p.trajectory(dice));
+    let lab = Lab::draw(undeclared(questions), rng);
+    let rate_hz = rng.pick(&[1000.0, 2000.0]);
+    let plans = plans(slow_only(class, questions), rate_hz, rng);
+    let commands = plans.map(|p| p.trajectory(rng));
 
     let (drive, x) = lab.truth.displacement(&commands[0]);
     let seconds = SAMPLES[0] as f64 / rate_hz;
@@ -93,13 +93,13 @@ fn attempt(
         seconds,
         high_hz: plans[0].high_hz,
     };
-    let room = dice.between(1.15, 1.6);
+    let room = rng.between(1.15, 1.6);
     let full_scale = [room * scale.x, room * peak(&lab.truth.force(&x).1)];
     let readings = Readings {
         rate_hz,
         full_scale,
         sigma: full_scale.map(|f| options.noise_ratio * f),
-        bits: [(); 2].map(|()| dice.pick(&[12, 13, 14, 16, 18])),
+        bits: [(); 2].map(|()| rng.pick(&[12, 13, 14, 16, 18])),
     };
     let bare = Bare {
         lab: &lab,
@@ -109,7 +109,7 @@ fn attempt(
         scale,
         sigma: readings.sigma,
     };
-    let placed = bare.place(questions, options, usual, dice)?;
+    let placed = bare.place(questions, options, usual, rng)?;
 
     let [(train, _), (test, floors)] = [0, 1].map(|i| {
         measure(
@@ -118,7 +118,7 @@ fn attempt(
             &commands[i],
             SAMPLES[i],
             &readings,
-            dice,
+            rng,
         )
     });
     let motion_ends_s = plans[0].rest_before_s + plans[0].moving_s;
@@ -142,22 +142,22 @@ fn attempt(
 }
 
 /// Training and test: two different excitations, the second no larger and no faster than the first.
-fn plans(slow: bool, rate_hz: f64, dice: &mut Dice) -> [Plan; 2] {
+fn plans(slow: bool, rate_hz: f64, rng: &mut Draws) -> [Plan; 2] {
     let high_hz = if slow {
-        dice.between(0.8, 1.3)
+        rng.between(0.8, 1.3)
     } else {
-        dice.between(6.0, 14.0)
+        rng.between(6.0, 14.0)
     };
     let pool: &[Excitation] = if slow {
         &[Excitation::Multisine, Excitation::Chirp]
     } else {
         &Excitation::ALL
     };
-    let first = dice.pick(pool);
+    let first = rng.pick(pool);
     let others: Vec<Excitation> = pool.iter().copied().filter(|k| *k != first).collect();
-    let second = dice.pick(&others);
-    let amplitude_mm = dice.log_between(5.0, 40.0);
-    let smaller = dice.between(0.8, 1.0);
+    let second = rng.pick(&others);
+    let amplitude_mm = rng.log_between(5.0, 40.0);
+    let smaller = rng.between(0.8, 1.0);
     let plan = |kind, samples: usize, rest_before_s: f64, rest_after_s: f64, share: f64| Plan {
         kind,
         amplitude_mm: amplitude_mm * share,
@@ -191,10 +191,10 @@ impl Bare<'_> {
         questions: &[Question],
         options: &Options,
         usual: bool,
-        dice: &mut Dice,
+        rng: &mut Draws,
     ) -> Option<Vec<Placed>> {
         let lab = self.lab;
-        let wanted = dice.log_between(options.size.0, options.size.1);
+        let wanted = rng.log_between(options.size.0, options.size.1);
         let [x_sigma, f_sigma] = self.sigma;
         let floor = [x_sigma, f_sigma.hypot(self.scale.k * x_sigma)];
         let mut placed: Vec<Placed> = Vec::new();
@@ -215,12 +215,12 @@ impl Bare<'_> {
                 }
             };
             for question in questions.iter().filter(|q| q.channel() == channel) {
-                let physics = question.draw(&self.scale, dice)?;
+                let physics = question.draw(&self.scale, rng)?;
                 // A second effect is neither much larger nor much smaller than the first.
                 let ratio = if placed.is_empty() {
                     1.0
                 } else {
-                    dice.log_between(0.5, 2.0)
+                    rng.log_between(0.5, 2.0)
                 };
                 let unit = floor[channel as usize];
                 let goal = wanted * ratio;

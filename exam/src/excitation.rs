@@ -1,6 +1,6 @@
 //! The commands: multisine, chirp, steps or an earthquake response, with a rest before and after.
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, FINE_HZ, peak};
 use std::f64::consts::{PI, TAU};
 
@@ -40,14 +40,14 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// The trajectory on the fine grid, mm.
-    pub(crate) fn trajectory(&self, dice: &mut Dice) -> Vec<f64> {
+    pub(crate) fn trajectory(&self, rng: &mut Draws) -> Vec<f64> {
         let steps = |seconds: f64| (seconds * FINE_HZ).round() as usize;
         let n = steps(self.moving_s);
         let mut moving = match self.kind {
-            Excitation::Multisine => self.multisine(n, dice),
-            Excitation::Chirp => self.chirp(n, dice),
-            Excitation::Stepped => self.stepped(n, dice),
-            Excitation::Earthquake => self.earthquake(n, dice),
+            Excitation::Multisine => self.multisine(n, rng),
+            Excitation::Chirp => self.chirp(n, rng),
+            Excitation::Stepped => self.stepped(n, rng),
+            Excitation::Earthquake => self.earthquake(n, rng),
         };
         let taper_s = (0.08 * self.moving_s).min(0.5);
         for (i, x) in moving.iter_mut().enumerate() {
@@ -61,9 +61,9 @@ impl Plan {
         all
     }
 
-    fn multisine(&self, n: usize, dice: &mut Dice) -> Vec<f64> {
-        let periods = if dice.chance(0.5) {
-            dice.pick(&[3.0, 4.0, 5.0])
+    fn multisine(&self, n: usize, rng: &mut Draws) -> Vec<f64> {
+        let periods = if rng.chance(0.5) {
+            rng.pick(&[3.0, 4.0, 5.0])
         } else {
             1.0
         };
@@ -71,7 +71,7 @@ impl Plan {
         let repeats = periods <= self.high_hz * self.moving_s;
         let periods = if repeats { periods } else { 1.0 };
         let base_hz = periods / self.moving_s;
-        let corner_hz = dice.between(0.8, 2.5);
+        let corner_hz = rng.between(0.8, 2.5);
         let lines = (self.high_hz / base_hz) as usize;
         let every = (lines / 60).max(1);
         let parts: Vec<(f64, f64, f64)> = (1..=lines)
@@ -81,12 +81,12 @@ impl Plan {
                 (
                     hz,
                     1.0 / (1.0 + (hz / corner_hz).powf(1.2)),
-                    dice.between(0.0, TAU),
+                    rng.between(0.0, TAU),
                 )
             })
             .collect();
         // Test campaigns use more than one level: the first half may be smaller.
-        let low_level = dice.between(0.3, 1.0);
+        let low_level = rng.between(0.3, 1.0);
         let mut sum = vec![0.0; n];
         for (hz, amplitude, phase) in parts {
             // Rotated from sample to sample: computing each sine anew would take most of the exam's time.
@@ -110,9 +110,9 @@ impl Plan {
         levelled.map(|(i, x)| level(i as f64 * DT) * x).collect()
     }
 
-    fn chirp(&self, n: usize, dice: &mut Dice) -> Vec<f64> {
-        let low_hz = dice.between(0.15, 0.4);
-        let corner_hz = dice.between(1.0, 3.0);
+    fn chirp(&self, n: usize, rng: &mut Draws) -> Vec<f64> {
+        let low_hz = rng.between(0.15, 0.4);
+        let corner_hz = rng.between(1.0, 3.0);
         let grows = (self.high_hz / low_hz).ln();
         let seconds = self.moving_s;
         let wave = |t: f64| {
@@ -121,21 +121,21 @@ impl Plan {
             phase.sin() / (1.0 + (hz / corner_hz).powf(1.2))
         };
         let mut sweep: Vec<f64> = (0..n).map(|i| wave(i as f64 * DT)).collect();
-        if dice.chance(0.3) {
+        if rng.chance(0.3) {
             sweep.reverse();
         }
         sweep
     }
 
-    fn stepped(&self, n: usize, dice: &mut Dice) -> Vec<f64> {
+    fn stepped(&self, n: usize, rng: &mut Draws) -> Vec<f64> {
         // A minimum-jerk step of length T has its energy below 2 / T.
         let quick_s = 1.5 / self.high_hz;
         let mut x = Vec::with_capacity(n);
         let mut level = 0.0;
         while x.len() < n {
-            let next = dice.between(-1.0, 1.0);
-            let move_s = dice.log_between(quick_s, 5.0 * quick_s);
-            let hold_s = dice.between(0.1, 0.5);
+            let next = rng.between(-1.0, 1.0);
+            let move_s = rng.log_between(quick_s, 5.0 * quick_s);
+            let hold_s = rng.between(0.1, 0.5);
             let steps = ((move_s + hold_s) * FINE_HZ) as usize;
             x.extend((0..steps).map(|i| level + (next - level) * smooth(i as f64 * DT / move_s)));
             level = next;
@@ -144,18 +144,18 @@ impl Plan {
         x
     }
 
-    fn earthquake(&self, n: usize, dice: &mut Dice) -> Vec<f64> {
-        let ground = (TAU * dice.between(2.0, 4.0), dice.between(0.5, 0.8));
-        let storey = (TAU * dice.between(0.7, 2.5), dice.between(0.03, 0.08));
-        let second = (TAU * dice.between(0.5, 0.9) * self.high_hz, 0.06);
-        let rise = dice.between(0.1, 0.25);
+    fn earthquake(&self, n: usize, rng: &mut Draws) -> Vec<f64> {
+        let ground = (TAU * rng.between(2.0, 4.0), rng.between(0.5, 0.8));
+        let storey = (TAU * rng.between(0.7, 2.5), rng.between(0.03, 0.08));
+        let second = (TAU * rng.between(0.5, 0.9) * self.high_hz, 0.06);
+        let rise = rng.between(0.1, 0.25);
         let mut filters = [(0.0, 0.0); 3];
         (0..n)
             .map(|i| {
                 let part = i as f64 / n as f64;
                 let envelope = (part / rise).min(1.0).powi(2)
                     * (-3.0 * (part - 2.0 * rise).max(0.0) / (1.0 - 2.0 * rise)).exp();
-                let shaking = envelope * dice.normal();
+                let shaking = envelope * rng.normal();
                 let g = oscillate(&mut filters[0], ground, shaking);
                 let first = oscillate(&mut filters[1], storey, -g);
                 let higher = oscillate(&mut filters[2], second, -g);
@@ -194,7 +194,7 @@ mod tests {
             rest_after_s: 0.5,
         };
         for seed in 0..8 {
-            let x = plan.trajectory(&mut Dice::new(seed));
+            let x = plan.trajectory(&mut Draws::new(seed));
             assert!((peak(&x) - 12.0).abs() < 1e-9, "seed {seed}");
         }
     }
@@ -210,7 +210,7 @@ mod tests {
                 moving_s: 10.0,
                 rest_after_s: 2.0,
             };
-            let x = plan.trajectory(&mut Dice::new(7));
+            let x = plan.trajectory(&mut Draws::new(7));
             assert_eq!(x.len(), 108_000);
             assert!(x[..12_000].iter().all(|x| *x == 0.0), "{kind:?}");
             assert!(x[92_001..].iter().all(|x| x.abs() < 1e-9), "{kind:?}");

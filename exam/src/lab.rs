@@ -1,7 +1,7 @@
 //! A rig as it is and as it is declared.
 
 use crate::declared::{Declared, DeclaredActuator, DeclaredSpecimen, Parameter};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::rig::Truth;
 use crate::size::Sensitivity;
 
@@ -23,23 +23,23 @@ pub(crate) struct Undeclared {
 
 impl Lab {
     /// Draws a rig. It has nothing that the model does not declare, apart from what will be hidden in it.
-    pub(crate) fn draw(without: Undeclared, dice: &mut Dice) -> Self {
-        let k = dice.log_between(80.0, 1200.0);
-        let damped = dice.chance(0.5) && !without.damping;
-        let massive = dice.chance(0.4) && !without.mass;
+    pub(crate) fn draw(without: Undeclared, rng: &mut Draws) -> Self {
+        let k = rng.log_between(80.0, 1200.0);
+        let damped = rng.chance(0.5) && !without.damping;
+        let massive = rng.chance(0.4) && !without.mass;
         let has = |is: bool, value: f64| if is { value } else { 0.0 };
         let truth = Truth {
-            gain: 1.0 + dice.between(-0.02, 0.02),
-            delay_s: 1e-3 * dice.between(2.0, 8.0),
-            lag_s: 1e-3 * dice.between(8.0, 25.0),
-            offset_mm: has(!without.offset_mm, dice.between(-0.1, 0.1)),
+            gain: 1.0 + rng.between(-0.02, 0.02),
+            delay_s: 1e-3 * rng.between(2.0, 8.0),
+            lag_s: 1e-3 * rng.between(8.0, 25.0),
+            offset_mm: has(!without.offset_mm, rng.between(-0.1, 0.1)),
             stiffness_n_per_mm: k,
-            damping_n_s_per_mm: has(damped, k * dice.log_between(1e-3, 8e-3)),
-            mass_kg: has(massive, k * dice.log_between(0.01, 0.05)),
-            offset_n: has(!without.offset_n, k * dice.between(-0.1, 0.1)),
+            damping_n_s_per_mm: has(damped, k * rng.log_between(1e-3, 8e-3)),
+            mass_kg: has(massive, k * rng.log_between(0.01, 0.05)),
+            offset_n: has(!without.offset_n, k * rng.between(-0.1, 0.1)),
         };
         let mut off = |value: f64, tolerance: f64| loop {
-            let tolerances = dice.normal();
+            let tolerances = rng.normal();
             if tolerances.abs() <= 2.0 {
                 return Parameter::new(value - tolerances * tolerance, tolerance);
             }

@@ -22,7 +22,7 @@ mod case;
 mod class;
 mod declared;
 pub mod devices;
-mod dice;
+mod draws;
 pub mod effect;
 mod excitation;
 pub mod field;

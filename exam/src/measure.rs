@@ -1,6 +1,6 @@
 //! From the true signals to the codes of the converters.
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::effect::{Acts, Channel, Physics};
 use crate::fine::{FINE_HZ, rms};
 use crate::noise::{coloured, convert};
@@ -34,7 +34,7 @@ pub(crate) fn measure(
     command: &[f64],
     samples: usize,
     readings: &Readings,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> (Record, [f64; 2]) {
     let every = (FINE_HZ / readings.rate_hz) as usize;
     let (drive, mut x) = truth.displacement(command);
@@ -58,7 +58,7 @@ pub(crate) fn measure(
             signal = (p.physics.apply)(p.strength, scene, &signal);
         }
         let exact: Vec<f64> = signal.into_iter().step_by(every).take(samples).collect();
-        let noise = coloured(samples, readings.sigma[i], readings.rate_hz, dice);
+        let noise = coloured(samples, readings.sigma[i], readings.rate_hz, rng);
         let mut reading: Vec<f64> = exact.iter().zip(noise).map(|(y, n)| y + n).collect();
         for p in of(channel, Acts::Reading) {
             reading = (p.physics.apply)(p.strength, scene, &reading);

@@ -1,6 +1,6 @@
 //! Effects that no name of the effect list describes. The right answer is that something is missing, without a name.
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::effect::{Channel, Physics, Scale, plus};
 use crate::fine::{DT, at, derivative, lag, peak, second_order};
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ pub(crate) const KINDS: [(&str, Channel); 9] = [
 ];
 
 /// Draws an effect of a kind.
-pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
+pub(crate) fn draw(kind: usize, scale: &Scale, rng: &mut Draws) -> Physics {
     let (what, channel) = KINDS[kind];
     let unit = if channel == Channel::Actuator {
         scale.x
@@ -31,7 +31,7 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
     let added = (1e-4 * unit, 0.5 * unit);
     let physics = match kind {
         0 => {
-            let hz = dice.between(0.7, 3.0);
+            let hz = rng.between(0.7, 3.0);
             Physics::new(what, (1e-3, 0.8), move |s, scene, y| {
                 let m = scene.motion();
                 plus(
@@ -41,13 +41,13 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
             })
         }
         1 => {
-            let wave = narrow_band(dice.between(3.0, 9.0), 0.15, seconds, dice);
+            let wave = narrow_band(rng.between(3.0, 9.0), 0.15, seconds, rng);
             Physics::new(what, added, move |s, _, y| {
                 plus(y, (0..y.len()).map(|i| s * at(&wave, i as f64)))
             })
         }
         2 => {
-            let when = dice.between(0.35, 0.55) * seconds;
+            let when = rng.between(0.35, 0.55) * seconds;
             Physics::new(what, (1e-3, 0.8), move |s, scene, y| {
                 let m = scene.motion();
                 plus(
@@ -63,7 +63,7 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
             })
         }
         3 => {
-            let omega = TAU * dice.between(0.3, 0.7) * scale.high_hz;
+            let omega = TAU * rng.between(0.3, 0.7) * scale.high_hz;
             Physics::new(what, added, move |s, scene, y| {
                 let m = scene.motion();
                 let moves = second_order(&m.x, omega, |v| 0.06 * omega * v);
@@ -83,7 +83,7 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
             })
         }
         5 => {
-            let wave = narrow_band(dice.between(10.0, 18.0), 0.1, seconds, dice);
+            let wave = narrow_band(rng.between(10.0, 18.0), 0.1, seconds, rng);
             Physics::new(what, added, move |s, _, y| {
                 let speed = lag(
                     &derivative(y).iter().map(|v| v.abs()).collect::<Vec<_>>(),
@@ -99,8 +99,8 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
         }
         6 => {
             let (when, half) = (
-                dice.between(0.3, 0.5) * seconds,
-                dice.between(0.06, 0.12) * seconds,
+                rng.between(0.3, 0.5) * seconds,
+                rng.between(0.06, 0.12) * seconds,
             );
             Physics::new(what, (1e-3, 0.8), move |s, _, y| {
                 let dip = |i| (-((time(i) - when) / half).powi(2)).exp();
@@ -108,13 +108,13 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
             })
         }
         7 => {
-            let wave = narrow_band(dice.between(1.5, 4.0), 0.5, seconds, dice);
+            let wave = narrow_band(rng.between(1.5, 4.0), 0.5, seconds, rng);
             Physics::new(what, added, move |s, _, y| {
                 plus(y, (0..y.len()).map(|i| s * at(&wave, i as f64)))
             })
         }
         _ => {
-            let hz = dice.between(0.4, 1.2);
+            let hz = rng.between(0.4, 1.2);
             Physics::new(what, (2e-4, 0.1), move |s, _, y| {
                 let late = |i| s * (TAU * hz * time(i)).sin() / DT;
                 (0..y.len()).map(|i| at(y, i as f64 - late(i))).collect()
@@ -129,13 +129,13 @@ pub(crate) fn draw(kind: usize, scale: &Scale, dice: &mut Dice) -> Physics {
 }
 
 /// Random motion of unit rms around a frequency, driven from 0.2 to 0.8 of the record.
-fn narrow_band(hz: f64, ratio: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
+fn narrow_band(hz: f64, ratio: f64, seconds: f64, rng: &mut Draws) -> Vec<f64> {
     let omega = TAU * hz;
     let shaking: Vec<f64> = (0..(seconds / DT) as usize)
         .map(|i| {
             let part = i as f64 * DT / seconds;
             if (0.2..0.8).contains(&part) {
-                dice.normal()
+                rng.normal()
             } else {
                 0.0
             }

@@ -1,7 +1,7 @@
 //! What to hide in a case.
 
 use crate::class::Class;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::effect::{self, Channel, Equations, LIST, Physics, Scale, family};
 use crate::lab::Undeclared;
 use crate::outside;
@@ -43,13 +43,13 @@ impl Question {
     }
 
     /// None if the list has no such effect in the channel.
-    pub(crate) fn draw(self, scale: &Scale, dice: &mut Dice) -> Option<Physics> {
+    pub(crate) fn draw(self, scale: &Scale, rng: &mut Draws) -> Option<Physics> {
         match self {
             Self::Effect(name, channel, equations) => {
-                effect::draw(name, channel, equations, scale, dice)
+                effect::draw(name, channel, equations, scale, rng)
             }
             Self::EarlyForce => Some(effect::early_force()),
-            Self::Outside(kind) => Some(outside::draw(kind, scale, dice)),
+            Self::Outside(kind) => Some(outside::draw(kind, scale, rng)),
         }
     }
 }
@@ -73,7 +73,7 @@ pub(crate) fn undeclared(questions: &[Question]) -> Undeclared {
 }
 
 /// What a case of this class and seed hides; the effects take turns.
-pub(crate) fn questions(class: Class, seed: u64, dice: &mut Dice) -> Vec<Question> {
+pub(crate) fn questions(class: Class, seed: u64, rng: &mut Draws) -> Vec<Question> {
     let turn = |n: usize| (seed % n as u64) as usize;
     let one = |equations| {
         let (name, _, channel) = LIST[turn(LIST.len())];
@@ -84,13 +84,13 @@ pub(crate) fn questions(class: Class, seed: u64, dice: &mut Dice) -> Vec<Questio
         Class::Unseen => one(Equations::Unseen),
         Class::Clean => Vec::new(),
         Class::Outside => vec![Question::Outside(turn(outside::KINDS.len()))],
-        Class::Two => two(seed, dice),
-        Class::Confounded => vec![confounded(seed, dice)],
+        Class::Two => two(seed, rng),
+        Class::Confounded => vec![confounded(seed, rng)],
     }
 }
 
 /// Two effects of different families: every third pair in two channels, every second pair by unseen equations.
-fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
+fn two(seed: u64, rng: &mut Draws) -> Vec<Question> {
     let equations = if seed.is_multiple_of(2) {
         Equations::Matched
     } else {
@@ -98,7 +98,7 @@ fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
     };
     let apart = seed.is_multiple_of(3);
     loop {
-        let (a, b) = (dice.pick(LIST), dice.pick(LIST));
+        let (a, b) = (rng.pick(LIST), rng.pick(LIST));
         // A coarse converter would hide the rest; an offset and a drift would be the same thing twice.
         let coarse = [a.0, b.0].contains(&"quantisation");
         let slow = ["calibration", "slow"];
@@ -111,23 +111,23 @@ fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
     }
 }
 
-fn confounded(seed: u64, dice: &mut Dice) -> Question {
+fn confounded(seed: u64, rng: &mut Draws) -> Question {
     use Channel::{Actuator, Specimen};
     let matched = |name, channel| Question::Effect(name, channel, Equations::Matched);
     match seed % 4 {
         // At low frequency a late actuator is just late, whatever the reason.
         0 => matched(
-            dice.pick(&["delay_error", "lag_error", "second_lag"]),
+            rng.pick(&["delay_error", "lag_error", "second_lag"]),
             Actuator,
         ),
         // F(t + d) = F + k d v on one spring.
-        1 if dice.chance(0.5) => Question::EarlyForce,
+        1 if rng.chance(0.5) => Question::EarlyForce,
         1 => matched("viscous_damping", Specimen),
         // A share of the force is lost either way.
-        2 => matched(dice.pick(&["gain_error", "rig_compliance"]), Specimen),
+        2 => matched(rng.pick(&["gain_error", "rig_compliance"]), Specimen),
         // Their loops look alike at one amplitude and one rate.
         _ => matched(
-            dice.pick(&["coulomb_friction", "stribeck_friction", "backlash"]),
+            rng.pick(&["coulomb_friction", "stribeck_friction", "backlash"]),
             Specimen,
         ),
     }
@@ -147,12 +147,12 @@ mod tests {
 
     #[test]
     fn every_effect_gets_its_turn_and_pairs_are_of_two_families() {
-        let mut dice = Dice::new(5);
+        let mut rng = Draws::new(5);
         let mut seen = std::collections::BTreeSet::new();
         for seed in 0..LIST.len() as u64 {
-            let q = questions(Class::Unseen, seed, &mut dice)[0];
+            let q = questions(Class::Unseen, seed, &mut rng)[0];
             seen.insert((q.name(), q.channel()));
-            let pair = questions(Class::Two, seed, &mut dice);
+            let pair = questions(Class::Two, seed, &mut rng);
             assert_ne!(family(pair[0].name()), family(pair[1].name()));
         }
         assert_eq!(seen.len(), LIST.len());

@@ -1,6 +1,6 @@
 //! "Did you mean": the accepted name that is nearest to one that is unknown.
 
-/// The accepted name that a misspelt one may mean: at most a third of its letters are changed, left out, added or exchanged
+/// The accepted name that a misspelled one may mean: at most a third of its letters are changed, left out, added or exchanged
 /// with their neighbour.
 pub fn nearest<'a>(said: &str, accepted: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let said = said.to_lowercase();

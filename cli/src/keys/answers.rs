@@ -2,8 +2,7 @@
 
 use super::key::Group;
 use super::list::all;
-use super::render::schema;
-use super::structures::read;
+use super::render::{model_schema, schema};
 use crate::difference::Difference;
 use crate::many::Outcome;
 use crate::provenance::Provenance;
@@ -21,7 +20,7 @@ use crate::verb::improve::ImprovementRows;
 use crate::verb::replay::ReplayResult;
 use crate::verb::run::PlayedSignal;
 use crate::verb::sweep::SweepResult;
-use diagnosis::{CoupledDiagnosis, Model};
+use diagnosis::CoupledDiagnosis;
 use experiment::summary::Summary;
 use link::reply::Identity;
 use link::status::Status;
@@ -42,7 +41,7 @@ type NamedSchema = (&'static str, fn() -> Value);
 /// The schemas of files, and of the results of verbs.
 pub const SCHEMAS: [NamedSchema; 26] = [
     ("test", || schema(&all())),
-    ("model", read::<Model>),
+    ("model", model_schema),
     ("run", of::<Summary>),
     ("run-signal", of::<PlayedSignal<'static>>),
     ("compare", of::<ComparedRows>),

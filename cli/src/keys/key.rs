@@ -7,7 +7,8 @@ use super::value::ValueKind;
 pub struct Key {
     /// Its path, `loop.rate_hz`.
     pub path: String,
-    /// Its unit; `1` for a plain number, empty for a text, a name, true or false, a matrix and tables.
+    /// Its unit; `1` for a plain number, several for a list of different numbers, `varies` where `meaning` says it, empty for a
+    /// text, a name, true or false and tables.
     pub unit: &'static str,
     /// The value if it is left out, as written in a file; null where there is none: see `meaning`, of the key or of its table.
     pub default: Option<String>,

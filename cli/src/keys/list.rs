@@ -2,11 +2,10 @@
 
 use super::key::{Group, Key};
 use super::value::{self, ValueKind};
-use super::{probe, structures};
+use super::{probe, structures, unit};
 use experiment::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable};
 use experiment::files::serve::Settings;
 use experiment::files::test::Excitation;
-use experiment::files::units;
 use experiment::files::watch::WatchSettings;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -70,7 +69,7 @@ fn walk(path: &str, table: &Value, defaults: &Value, groups: &mut Vec<Group>) {
         }
         let default = defaults.pointer(&format!("/{}", path.replace('.', "/")));
         keys.push(Key {
-            unit: unit(name, &kind),
+            unit: unit::of(&path, &kind),
             default: default.and_then(written),
             accepted: probe::accepted(&path, &kind, &meaning),
             meaning,
@@ -96,18 +95,5 @@ fn written(value: &Value) -> Option<String> {
         Value::Null => None,
         Value::Array(list) if list.is_empty() => None,
         value => Some(value.to_string()),
-    }
-}
-
-fn unit(name: &str, kind: &ValueKind) -> &'static str {
-    match kind {
-        ValueKind::Text
-        | ValueKind::Texts
-        | ValueKind::Flag
-        | ValueKind::Name
-        | ValueKind::Table
-        | ValueKind::Tables
-        | ValueKind::Matrix(_) => "",
-        _ => units::of_key(name).unwrap_or("1"),
     }
 }

@@ -11,6 +11,7 @@ mod list;
 mod probe;
 mod render;
 mod structures;
+mod unit;
 mod value;
 
 pub use answers::SCHEMAS;

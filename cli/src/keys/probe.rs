@@ -10,7 +10,7 @@ const PLAIN: &str =
 /// A valid test of coupled actuators.
 const COUPLED: &str = include_str!("../../../examples/coupled-frame.toml");
 /// Kinds with which a key of the rig is probed, since another kind would refuse it for being present at all.
-const KINDS: [&str; 13] = [
+const KINDS: [&str; 15] = [
     "",
     "compensation.kind=\"lagrange\"",
     "compensation.kind=\"amb\"",
@@ -21,9 +21,11 @@ const KINDS: [&str; 13] = [
     "plant.actuator.kind=\"second_order\"",
     "plant.actuator.kind=\"random_multiplier\"",
     "plant.actuator.kind=\"servo_hydraulic\";plant.actuator.delay_ms=20",
-    "plant.specimen.kind=\"bilinear\"",
-    "plant.specimen.kind=\"bouc_wen\"",
+    "plant.specimen.kind=\"bilinear\";plant.specimen.yield_mm=5",
+    "plant.specimen.kind=\"bouc_wen\";plant.specimen.yield_mm=5",
     "plant.actuator.delay_jump={at_s=1,delay_ms=1}",
+    "declared.actuator.remainder={depends_on=\"time\",range={x_mm=[-1,1],v_mm_per_s=[-1,1],other=[0,0],seconds=1},strengths=[1]}",
+    "declared.specimen.remainder={depends_on=\"time\",range={x_mm=[-1,1],v_mm_per_s=[-1,1],other=[0,0],seconds=1},strengths=[1]}",
 ];
 
 /// The accepted values in words.
@@ -32,13 +34,16 @@ pub fn accepted(path: &str, kind: &ValueKind, meaning: &str) -> String {
     let wrong: &[&str] = match kind {
         ValueKind::Number | ValueKind::Numbers => &["nan", "-1e30", "1e30"],
         ValueKind::List(count) => {
-            list = format!("[{}]", vec!["nan"; *count].join(","));
+            list = format!("[{}]", vec!["nan"; count.unwrap_or(1)].join(","));
             &[&list]
         }
         ValueKind::Matrix(Some(rows)) => {
             return format!("{rows} rows of {rows} numbers");
         }
         ValueKind::Matrix(None) => return "rows of numbers, as many as coordinates".into(),
+        ValueKind::DeclaredMatrix => {
+            return "rows of { value = , tolerance = }, as many as coordinates".into();
+        }
         ValueKind::Texts => return "a list of texts".into(),
         ValueKind::Integer => &["0", "255", "65535"],
         ValueKind::Name => &["\"no such name\""],
@@ -106,8 +111,9 @@ fn said(refusal: &str, path: &str) -> Option<String> {
         .or_else(|| refusal.rsplit_once("accepted is "))
         .or_else(|| refusal.rsplit_once("expected one of "))
         .or_else(|| refusal.rsplit_once(", expected "))?;
-    // The refusal must be of this key, not of another one that contradicts its value.
-    before.contains(key).then(|| {
+    // The refusal must be of this key's value, not of another key that contradicts it, and not of the key whatever its value.
+    let is_of_value = before.contains(key) && !before.ends_with(" is given, ");
+    is_of_value.then(|| {
         after
             .trim_end_matches('.')
             .replace("` or `", ", ")

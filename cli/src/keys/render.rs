@@ -1,9 +1,11 @@
 //! The list of keys as a page and as a JSON Schema for editors.
 
 use super::key::{Group, Key};
-use super::structures::test_file;
+use super::structures::{read, test_file};
+use super::unit::VARIES;
 use super::value::ValueKind;
 use askama::Template;
+use diagnosis::Model;
 use experiment::failure::Failure;
 use experiment::files::units;
 use serde_json::{Value, json};
@@ -41,7 +43,48 @@ pub(super) fn schema(groups: &[Group]) -> Value {
     }
     root["required"] = json!([]);
     root["anyOf"] = json!([{ "required": ["structure"] }, { "required": ["coupled"] }]);
+    with_units(&mut root, false);
     root
+}
+
+/// A JSON Schema of a declared model.
+pub(super) fn model_schema() -> Value {
+    let mut root = read::<Model>();
+    with_units(&mut root, false);
+    root
+}
+
+/// Lets a number be given with its unit wherever its key's name says one, as the files' reader does; `has_unit`: the name does.
+fn with_units(schema: &mut Value, has_unit: bool) {
+    match schema {
+        Value::Object(map) if has_unit && map.get("type") == Some(&json!("number")) => {
+            let said = ["description", "default"].map(|what| (what, map.remove(what)));
+            let either = json!([schema.take(), { "type": "string", "pattern": SAID }]);
+            *schema = json!({ "anyOf": either });
+            for (what, value) in said {
+                if let Some(value) = value {
+                    schema[what] = value;
+                }
+            }
+        }
+        Value::Object(map) => {
+            for (name, part) in map {
+                match part {
+                    Value::Object(keys) if name == "properties" => {
+                        for (key, own) in keys {
+                            // A declared parameter's value and tolerance have the unit of its name.
+                            let inherits =
+                                has_unit && matches!(key.as_str(), "value" | "tolerance");
+                            with_units(own, inherits || units::may_be_said(key));
+                        }
+                    }
+                    part => with_units(part, has_unit),
+                }
+            }
+        }
+        Value::Array(parts) => parts.iter_mut().for_each(|part| with_units(part, has_unit)),
+        _ => {}
+    }
 }
 
 fn describe(schema: &mut Value, key: &Key) {
@@ -49,16 +92,11 @@ fn describe(schema: &mut Value, key: &Key) {
     if !matches!(key.kind, ValueKind::Name | ValueKind::Declared) {
         let _ = write!(said, " Accepted: {}.", key.accepted);
     }
-    if !matches!(key.unit, "" | "1") {
+    if !matches!(key.unit, "" | "1" | VARIES) {
         let _ = write!(said, " Unit: {}.", key.unit);
     }
     let default = key.default.as_ref();
     let default: Option<Value> = default.and_then(|d| serde_json::from_str(d).ok());
-    // A number may be given with its unit.
-    if units::may_be_said(key.unit) && key.unit != "1" && key.kind != ValueKind::Declared {
-        let number = schema.take();
-        *schema = json!({ "anyOf": [number, { "type": "string", "pattern": SAID }] });
-    }
     schema["description"] = json!(said);
     if let Some(default) = default {
         schema["default"] = default;

@@ -11,10 +11,12 @@ pub enum ValueKind {
     Integer,
     /// A number, or a list with one for each floor or axis.
     Numbers,
-    /// A list of this many numbers.
-    List(usize),
+    /// A list of numbers; with how many if that is fixed.
+    List(Option<usize>),
     /// Rows of numbers; with the number of rows if it is fixed.
     Matrix(Option<usize>),
+    /// Rows of values with their tolerances.
+    DeclaredMatrix,
     /// A list of texts.
     Texts,
     /// A text, for example a path.
@@ -101,6 +103,7 @@ impl ValueKind {
     /// From a schema.
     pub fn of(schema: &Value) -> Self {
         let type_of = |s: &Value| s["type"].as_str().unwrap_or_default().to_owned();
+        let is_declared = |s: &Value| s["properties"]["tolerance"].is_object();
         let items = &schema["items"];
         let count = || schema["minItems"].as_u64().map(|n| n as usize);
         match type_of(schema).as_str() {
@@ -109,11 +112,11 @@ impl ValueKind {
             "boolean" => Self::Flag,
             "string" if schema["enum"].is_array() => Self::Name,
             "string" => Self::Text,
-            "object" if schema["properties"]["tolerance"].is_object() => Self::Declared,
+            "object" if is_declared(schema) => Self::Declared,
             "object" => Self::Table,
             "array" => match (type_of(items).as_str(), count()) {
-                ("number", Some(count)) => Self::List(count),
-                ("number", None) => Self::Numbers,
+                ("number", count) => Self::List(count),
+                ("array", _) if is_declared(&items["items"]) => Self::DeclaredMatrix,
                 ("array", rows) => Self::Matrix(rows),
                 ("string", _) if !items["enum"].is_array() => Self::Texts,
                 _ => Self::Tables,

@@ -7,6 +7,10 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
+use std::time::Duration;
+
+/// How long a test waits for an event before it fails: a slow machine may take long.
+pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Keys in the result of every test: a part of the contract.
 pub const KEYS: [&str; 14] = [

@@ -1,7 +1,7 @@
 //! `outerloop keys` and `new`: the page matches the code, and what they write is accepted.
 
 use crate::common::{command, is_as_its_schema_says, json, outerloop, refused, root};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::process::Stdio;
 
@@ -81,15 +81,182 @@ fn ranges_defaults_and_names_come_from_the_code() {
         ("compensation.kind", "", "\"paper\"", "eq14-unguarded"),
         ("plant.actuator.kind", "", "\"ideal\"", "servo_hydraulic"),
         ("plant.actuator.delay_ms", "ms", "0.0", "0 to 1000"),
-        ("plant.sensors.bits", "1", "null", "2 to 32"),
+        ("plant.sensors.bits", "bit", "null", "2 to 32"),
+        (
+            "plant.specimen.yield_mm",
+            "mm",
+            "null",
+            "0.000001 to 1000000 mm",
+        ),
+        ("plant.specimen.hardening_ratio", "1", "null", "0 to 1"),
+        ("plant.specimen.sharpness", "1", "null", "0.5 to 50"),
+        ("plant.specimen.loop_shape", "1", "null", "0.5 to 1"),
+        ("compensation.hydraulic.b1", "rad/s", "null", "above 0"),
+        ("compensation.inverse", "s, s², s³", "null", "-10 to 10"),
         ("excitation.rest_s", "s", "0.0", "0 to 60 s"),
+        (
+            "declared.coupled.mass",
+            "varies",
+            "null",
+            "rows of { value = , tolerance = }",
+        ),
     ] {
         let k = key(path);
         assert_eq!(k["unit"], unit, "{k}");
         assert_eq!(k["default"].as_str().unwrap_or("null"), default, "{k}");
         assert!(k["accepted"].as_str().unwrap().contains(accepted), "{k}");
     }
+    let remainder = |name: &str| key(&format!("declared.specimen.remainder.{name}"));
+    for (name, unit, accepted) in [
+        ("strengths", "varies", "finite numbers"),
+        ("range.other", "mm", "finite numbers"),
+        ("range.seconds", "s", "numbers above 0"),
+        (
+            "range.x_mm",
+            "mm",
+            "two finite numbers, the first the smaller",
+        ),
+    ] {
+        let k = remainder(name);
+        assert_eq!([&k["unit"], &k["accepted"]], [unit, accepted], "{k}");
+    }
     refused(&["keys", "no such thing"], &["no such thing"]);
+}
+
+/// The unit at the end of a key's name, worked out from its parts: `damping_n_s_per_mm` gives `N s/mm`.
+fn unit_in(name: &str) -> Option<String> {
+    let symbol = |part: &str| match part {
+        "n" => Some("N"),
+        "kn" => Some("kN"),
+        "j" => Some("J"),
+        "hz" => Some("Hz"),
+        "s2" => Some("s²"),
+        "seconds" => Some("s"),
+        "bits" => Some("bit"),
+        "steps" | "substeps" => Some("steps"),
+        "per" => Some("/"),
+        other => ["m", "mm", "s", "ms", "kg", "rad"]
+            .into_iter()
+            .find(|own| *own == other),
+    };
+    let mut parts: Vec<&str> = name.rsplit('_').map_while(symbol).collect();
+    parts.reverse();
+    let unit = parts.join(" ").replace(" / ", "/").replace("/ ", "1/");
+    (!unit.is_empty()).then_some(unit)
+}
+
+#[test]
+fn a_unit_agrees_with_the_name_of_its_key_and_with_its_meaning() {
+    let words = [
+        "s", "ms", "mm", "m", "N", "kN", "J", "Hz", "rad", "kg", "metre", "metres", "seconds",
+        "newton", "newtons", "units",
+    ];
+    let mut wrong = Vec::new();
+    for key in json(&["keys", "--json"])
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|group| group["keys"].as_array().unwrap())
+    {
+        let [path, unit, meaning] = ["path", "unit", "meaning"].map(|k| key[k].as_str().unwrap());
+        let name = path.rsplit('.').next().unwrap();
+        if unit_in(name).is_some_and(|own| own != unit) {
+            wrong.push(format!("{path}: {unit}"));
+        }
+        let said = meaning
+            .split(|c: char| !(c.is_alphanumeric() || c == '\'' || c == '_'))
+            .find(|word| words.contains(word));
+        if let ("1", Some(said)) = (unit, said) {
+            wrong.push(format!("{path}: 1, but its meaning says `{said}`"));
+        }
+        if unit.is_empty() && key["accepted"].as_str().unwrap().contains("rows of") {
+            wrong.push(format!("{path}: rows of numbers without a unit"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_is_accepted_is_a_range_and_no_refusal() {
+    let printed = [
+        json(&["keys", "--json"]),
+        json(&["schema", "test"]),
+        json(&["schema", "model"]),
+    ];
+    // Of a key, and of a schema's description.
+    let accepted = |text: &str| {
+        let (_, after) = text.split_once("Accepted: ")?;
+        Some(after.to_owned())
+    };
+    let mut open: Vec<&Value> = printed.iter().collect();
+    let (mut said, mut count) = (Vec::new(), 0);
+    while let Some(value) = open.pop() {
+        match value {
+            Value::Object(map) => {
+                said.extend(
+                    map.get("accepted")
+                        .and_then(Value::as_str)
+                        .map(str::to_owned),
+                );
+                said.extend(
+                    map.get("description")
+                        .and_then(Value::as_str)
+                        .and_then(accepted),
+                );
+                open.extend(map.values());
+            }
+            Value::Array(list) => open.extend(list),
+            _ => {}
+        }
+    }
+    for text in &said {
+        count += 1;
+        for of_a_refusal in [
+            "beside",
+            "sequence",
+            "parameter",
+            "only",
+            "refused",
+            "invalid",
+        ] {
+            assert!(!text.contains(of_a_refusal), "{text}");
+        }
+    }
+    assert!(count > 300, "{count} texts");
+}
+
+#[test]
+fn a_schema_accepts_units_where_a_file_does() {
+    let test = json(&["schema", "test"]);
+    let known = jsonschema::validator_for(&test).unwrap();
+    let structure = json!({
+        "mass_kg": ["1 t", 900], "stiffness_n_per_m": "158 kN/m", "damping_ratio": "2 %",
+    });
+    for (table, keys, accepted) in [
+        (
+            "plant",
+            r#"{"coupled": {"actuators": {"lead_ms": [["1 s", 0], [0, 0]]}}}"#,
+            true,
+        ),
+        (
+            "plant",
+            r#"{"coupled": {"actuators": {"lead_ms": "1 s"}}}"#,
+            false,
+        ),
+        ("serve", r#"{"settle_ms": "1 s"}"#, true),
+        ("serve", r#"{"carry_force": "5 m"}"#, false),
+        ("compensation", r#"{"inverse": [0.01, 0, 0]}"#, true),
+        ("compensation", r#"{"inverse": ["5 s", 0, 0]}"#, false),
+    ] {
+        let mut file = json!({ "structure": structure });
+        file[table] = serde_json::from_str(keys).unwrap();
+        assert_eq!(known.is_valid(&file), accepted, "[{table}] {keys}");
+    }
+    let model = json(&["schema", "model"]);
+    let known = jsonschema::validator_for(&model).unwrap();
+    let stiffness = json!({ "value": "158 kN/m", "tolerance": 2 });
+    assert!(known.is_valid(&json!({ "specimen": { "stiffness_n_per_mm": stiffness } })));
+    assert!(!known.is_valid(&json!({ "specimen": { "stiffness_n_per_mm": "158 kN/m" } })));
 }
 
 #[test]

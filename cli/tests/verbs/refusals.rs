@@ -199,7 +199,7 @@ fn a_broken_file_leaves_no_folder_behind() {
 }
 
 #[test]
-fn a_misspelt_command_line_gets_one_sentence() {
+fn a_misspelled_command_line_gets_one_sentence() {
     refused(
         &["run", TABLE1, "--unit", "furlong"],
         &["--unit", "`furlong`", "g, m/s2, gal"],

@@ -66,7 +66,7 @@ pub struct Compensation {
     pub amb: Amb,
     /// The actuator that `hydraulic` inverts. Left out: one that is late by `delay_ms`.
     pub hydraulic: Option<Hydraulic>,
-    /// Parameters of a method that the program brings itself, in its order; at most eight numbers.
+    /// Parameters of a method that the program brings itself, in its order and units; at most eight numbers.
     #[cfg_attr(feature = "schema", schemars(with = "super::OneOrEach"))]
     pub own: OwnParameters,
 }
@@ -77,7 +77,8 @@ pub struct Compensation {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Amb {
-    /// Gains of the adaptation of the four coefficients, in powers of metre and second.
+    /// Gains of the adaptation of the four coefficients, in powers of metre and second: of displacement, velocity,
+    /// acceleration and jerk.
     pub gains: [f64; 4],
     /// Cut-off of the filters before the adaptation, Hz.
     pub smoothing_hz: f64,
@@ -99,7 +100,7 @@ impl Default for Amb {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Hydraulic {
-    /// Gain of valve and actuator.
+    /// Gain of valve and actuator, N/(m s^3).
     pub a1_b0: f64,
     /// Natural velocity feedback, N/m.
     pub a2: f64,
@@ -115,7 +116,7 @@ pub struct Hydraulic {
     pub damping_n_s_per_m: f64,
     /// Stiffness of the specimen, N/m.
     pub stiffness_n_per_m: f64,
-    /// Standard deviations of stiffness, a3, b1 and b2; 0 is known for certain.
+    /// Standard deviations of stiffness, a3, b1 and b2, each in its unit; 0 is known for certain.
     pub spread: [f64; 4],
     /// Noise of the displacement reading, m rms.
     pub noise_m: f64,

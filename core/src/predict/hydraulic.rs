@@ -164,13 +164,7 @@ impl PredictAxis for Hydraulic {
             ("compensation.hydraulic.mass_kg", h.mass_kg),
             ("compensation.hydraulic.noise_m", h.noise_m),
         ] {
-            between(
-                name,
-                value,
-                0.0,
-                1e20,
-                "the parameter of the actuator, above 0",
-            )?;
+            between(name, value, 0.0, 1e20, "above 0 and below 1e20")?;
         }
         for (name, value) in [
             ("compensation.hydraulic.a2", h.a2),
@@ -183,7 +177,8 @@ impl PredictAxis for Hydraulic {
         .into_iter()
         .chain(h.spread.map(|s| ("compensation.hydraulic.spread", s)))
         {
-            accept(name, value, (0.0..1e20).contains(&value), "0 or above")?;
+            let accepted = "at least 0 and below 1e20";
+            accept(name, value, (0.0..1e20).contains(&value), accepted)?;
         }
         Ok(())
     }

@@ -146,7 +146,7 @@ pub struct Range {
     pub x_mm: [f64; 2],
     /// Smallest and largest speed, mm/s.
     pub v_mm_per_s: [f64; 2],
-    /// Smallest and largest value of the other signal.
+    /// Smallest and largest value of the other signal: the force of an actuator, N; the command of a specimen, mm.
     pub other: [f64; 2],
     /// Length of the shortest record, s.
     pub seconds: f64,
@@ -160,7 +160,8 @@ pub struct Correction {
     pub depends_on: DependsOn,
     /// Where it was learned; it is nothing outside.
     pub range: Range,
-    /// The strengths.
+    /// The strengths of its columns: mm of an actuator, N of a specimen; where it depends on frequency or amplitude, per mm of the
+    /// channel's input, and per mm/s for columns of its speed.
     pub strengths: Vec<f64>,
 }
 

@@ -18,12 +18,12 @@ const MOST_COORDINATES: usize = 8;
 pub struct CoupledSpecimen {
     /// Names, each with its unit at the end: `x_m`, `rotation_rad`. The first is axis 1 of a record.
     pub coordinates: Vec<String>,
-    /// Force per displacement.
+    /// Force per displacement: N/m, N/rad, N m/rad.
     pub stiffness: Vec<Vec<Declared>>,
-    /// Force per velocity; left out: none.
+    /// Force per velocity: N s/m, N s/rad, N m s/rad; left out: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub damping: Vec<Vec<Declared>>,
-    /// Force per acceleration; left out: none.
+    /// Force per acceleration: kg, kg m, kg m^2; left out: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mass: Vec<Vec<Declared>>,
 }

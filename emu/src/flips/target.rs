@@ -166,18 +166,18 @@ fn bits(register: u64) -> u32 {
     }
 }
 
-fn below(dice: &mut Xoshiro256PlusPlus, count: u64) -> u64 {
-    dice.next_u64() % count.max(1)
+fn below(rng: &mut Xoshiro256PlusPlus, count: u64) -> u64 {
+    rng.next_u64() % count.max(1)
 }
 
-fn one_of<T: Copy>(dice: &mut Xoshiro256PlusPlus, all: &[T]) -> T {
-    all[below(dice, all.len() as u64) as usize]
+fn one_of<T: Copy>(rng: &mut Xoshiro256PlusPlus, all: &[T]) -> T {
+    all[below(rng, all.len() as u64) as usize]
 }
 
 /// A bit of one of `ranges`, all equally likely.
-fn memory(dice: &mut Xoshiro256PlusPlus, ranges: &[Range<u64>]) -> Place {
+fn memory(rng: &mut Xoshiro256PlusPlus, ranges: &[Range<u64>]) -> Place {
     let bytes = ranges.iter().map(|range| range.end - range.start).sum();
-    let mut byte = below(dice, bytes);
+    let mut byte = below(rng, bytes);
     let mut address = 0;
     for range in ranges {
         let length = range.end - range.start;
@@ -187,31 +187,31 @@ fn memory(dice: &mut Xoshiro256PlusPlus, ranges: &[Range<u64>]) -> Place {
         }
         byte -= length;
     }
-    Place::Memory(address, below(dice, 8) as u32)
+    Place::Memory(address, below(rng, 8) as u32)
 }
 
 impl Place {
     /// Draws a bit of `target`.
-    pub fn draw(target: Target, from: &Memory, dice: &mut Xoshiro256PlusPlus) -> Self {
+    pub fn draw(target: Target, from: &Memory, rng: &mut Xoshiro256PlusPlus) -> Self {
         match target {
-            Target::Core => Self::Core(dice.next_u32()),
-            Target::Stack => Self::Stack(dice.next_u32()),
-            Target::Loop => memory(dice, &from.loops),
-            Target::Variables => memory(dice, &from.variables),
-            Target::Flash => memory(dice, &from.flash),
+            Target::Core => Self::Core(rng.next_u32()),
+            Target::Stack => Self::Stack(rng.next_u32()),
+            Target::Loop => memory(rng, &from.loops),
+            Target::Variables => memory(rng, &from.variables),
+            Target::Flash => memory(rng, &from.flash),
             Target::Peripheral => {
-                let place = below(dice, (KEPT.len() + FURTHER.len() + SYSTEM.len()) as u64);
+                let place = below(rng, (KEPT.len() + FURTHER.len() + SYSTEM.len()) as u64);
                 let mut all = KEPT.iter().chain(&FURTHER);
                 match all.nth(place as usize) {
                     Some(&register) => {
-                        Self::Peripheral(register, below(dice, bits(register).into()) as u32)
+                        Self::Peripheral(register, below(rng, bits(register).into()) as u32)
                     }
-                    None => Self::System(one_of(dice, &SYSTEM), below(dice, 32) as u32),
+                    None => Self::System(one_of(rng, &SYSTEM), below(rng, 32) as u32),
                 }
             }
-            Target::Bus => match below(dice, 2) {
-                0 => Self::Input(below(dice, 6 * 16) as u32),
-                _ => Self::Output(below(dice, 24) as u32),
+            Target::Bus => match below(rng, 2) {
+                0 => Self::Input(below(rng, 6 * 16) as u32),
+                _ => Self::Output(below(rng, 24) as u32),
             },
         }
     }

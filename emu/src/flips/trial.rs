@@ -91,14 +91,14 @@ pub fn run(
 
 /// Which bits flip, and when: equally many of each target; half of them are drawn while the step runs.
 fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
-    let mut dice = Xoshiro256PlusPlus::seed_from_u64(trials.seed);
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(trials.seed);
     let window = plan.started_ns..plan.started_ns + FLIPS_NS;
     let triggers = plan.log.triggers_ns.iter();
     let triggers: Vec<u64> = triggers.copied().filter(|at| window.contains(at)).collect();
     let mut flips: Vec<Flip> = (0..trials.flips)
         .map(|number| {
-            let trigger = triggers[dice.next_u64() as usize % triggers.len().max(1)];
-            let (from, to) = match dice.next_u32() % 2 {
+            let trigger = triggers[rng.next_u64() as usize % triggers.len().max(1)];
+            let (from, to) = match rng.next_u32() % 2 {
                 0 => STEP_NS,
                 _ => (1, PERIOD_NS),
             };
@@ -106,9 +106,9 @@ fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
                 .only
                 .unwrap_or(Target::ALL[number % Target::ALL.len()]);
             Flip {
-                at_ns: trigger + from + dice.next_u64() % (to - from),
+                at_ns: trigger + from + rng.next_u64() % (to - from),
                 target,
-                place: Place::draw(target, memory, &mut dice),
+                place: Place::draw(target, memory, &mut rng),
             }
         })
         .collect();

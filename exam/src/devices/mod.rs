@@ -8,7 +8,7 @@ mod law;
 mod motion;
 
 use crate::declared::Parameter;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::field::{Believed, Field, Span, Truth, rms_apart};
 use crate::fine::{FINE_HZ, peak};
 use crate::noise::convert;
@@ -64,13 +64,13 @@ struct Specimen {
 
 /// The record of a seed; the devices take turns.
 pub fn set_device(seed: u64) -> Field {
-    let dice = &mut Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xDE71C);
+    let rng = &mut Draws::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xDE71C);
     let device = ALL[(seed % ALL.len() as u64) as usize];
-    let peak_mm = device.size_mm() * dice.log_between(0.7, 1.3);
-    let motion = Motion::draw(peak_mm, device.is_slow(), dice);
-    let specimen = device.specimen(&motion.x, peak_mm, dice);
-    let twelve_bits = dice.chance(0.25);
-    let record = recorded(&motion, &specimen.force_n, twelve_bits, dice);
+    let peak_mm = device.size_mm() * rng.log_between(0.7, 1.3);
+    let motion = Motion::draw(peak_mm, device.is_slow(), rng);
+    let specimen = device.specimen(&motion.x, peak_mm, rng);
+    let twelve_bits = rng.chance(0.25);
+    let record = recorded(&motion, &specimen.force_n, twelve_bits, rng);
     // The training part is the rest and 0.62 of the motion.
     let share =
         (motion.rest_s + 0.62 * (motion.seconds() - motion.rest_s - AFTER_S)) / motion.seconds();
@@ -112,14 +112,14 @@ pub fn set_device(seed: u64) -> Field {
 }
 
 /// Samples the motion with white noise of both transducers and, with `twelve_bits`, a converter's steps.
-fn recorded(motion: &Motion, force_n: &[f64], twelve_bits: bool, dice: &mut Dice) -> Record {
+fn recorded(motion: &Motion, force_n: &[f64], twelve_bits: bool, rng: &mut Draws) -> Record {
     let every = (FINE_HZ / motion.rate_hz) as usize;
-    let read = |x: &[f64], noise: f64, dice: &mut Dice| -> Vec<f64> {
+    let read = |x: &[f64], noise: f64, rng: &mut Draws| -> Vec<f64> {
         let range = 1.2 * peak(x);
         let sampled = x.iter().step_by(every);
         sampled
             .map(|x| {
-                let x = x + noise * range * dice.normal();
+                let x = x + noise * range * rng.normal();
                 if twelve_bits {
                     convert(x, range, 12)
                 } else {
@@ -128,9 +128,9 @@ fn recorded(motion: &Motion, force_n: &[f64], twelve_bits: bool, dice: &mut Dice
             })
             .collect()
     };
-    let noise = [dice.log_between(2e-4, 1e-3), dice.log_between(5e-4, 3e-3)];
-    let displacement_mm = read(&motion.x, noise[0], dice);
-    let force = read(force_n, noise[1], dice);
+    let noise = [rng.log_between(2e-4, 1e-3), rng.log_between(5e-4, 3e-3)];
+    let displacement_mm = read(&motion.x, noise[0], rng);
+    let force = read(force_n, noise[1], rng);
     Record {
         rate_hz: motion.rate_hz,
         time_s: (0..force.len())
@@ -200,15 +200,15 @@ impl Device {
         )
     }
 
-    fn specimen(self, x: &[f64], peak_mm: f64, dice: &mut Dice) -> Specimen {
-        let size = dice.log_between(0.6, 1.5);
+    fn specimen(self, x: &[f64], peak_mm: f64, rng: &mut Draws) -> Specimen {
+        let size = rng.log_between(0.6, 1.5);
         // Only a stiffness, with a tolerance that is a share of it.
         let spring = |k: f64, share: f64| [Some([k, share * k]), None, None];
         match self {
             Self::LeadRubberBearing => {
                 let k = 1000.0 * size;
-                let strength = 150.0 * k * dice.log_between(0.7, 1.4);
-                let yield_mm = 8.0 * dice.log_between(0.7, 1.5);
+                let strength = 150.0 * k * rng.log_between(0.7, 1.4);
+                let yield_mm = 8.0 * rng.log_between(0.7, 1.5);
                 Specimen {
                     force_n: law::lead_rubber(x, k, strength, yield_mm),
                     declared: [Some([k, 0.1 * k]), Some([0.0, 3.0]), None],
@@ -216,7 +216,7 @@ impl Device {
                 }
             }
             Self::DampingRubberBearing => Specimen {
-                force_n: law::rubber(x, peak_mm / 1.5, 1500.0 * size, dice.between(0.1, 0.35)),
+                force_n: law::rubber(x, peak_mm / 1.5, 1500.0 * size, rng.between(0.1, 0.35)),
                 declared: [Some([1200.0, 250.0]), Some([20.0, 20.0]), None],
                 truth: Truth {
                     nameless: true,
@@ -229,7 +229,7 @@ impl Device {
             Self::FrictionPendulum => {
                 let weight = 8e5 * size;
                 Specimen {
-                    force_n: law::pendulum(x, weight, dice.log_between(15.0, 80.0)),
+                    force_n: law::pendulum(x, weight, rng.log_between(15.0, 80.0)),
                     declared: [
                         Some([weight / 2240.0, weight / 44_800.0]),
                         Some([0.0, 2.0]),
@@ -240,9 +240,9 @@ impl Device {
                 }
             }
             Self::FluidDamper => {
-                let power = dice.pick(&[0.3, 0.4, 0.6, 1.0]);
-                let c = dice.log_between(2e5, 6e5);
-                let brace = dice.chance(0.5).then(|| c * dice.log_between(15.0, 60.0));
+                let power = rng.pick(&[0.3, 0.4, 0.6, 1.0]);
+                let c = rng.log_between(2e5, 6e5);
+                let brace = rng.chance(0.5).then(|| c * rng.log_between(15.0, 60.0));
                 // A linear damper with the same force at 0.25 m/s; declared a tenth larger.
                 let linear = 1e-3 * c * 0.25_f64.powf(power - 1.0);
                 Specimen {
@@ -265,7 +265,7 @@ impl Device {
                 }
             }
             Self::Brace => Specimen {
-                force_n: law::brace(x, 4.5e5 * dice.log_between(0.7, 1.2)),
+                force_n: law::brace(x, 4.5e5 * rng.log_between(0.7, 1.2)),
                 declared: [Some([1.5e5, 8e3]), None, None],
                 truth: Truth {
                     nameless: true,
@@ -292,7 +292,7 @@ impl Device {
             Self::ConcreteColumn => {
                 let k = 2e4 * size;
                 Specimen {
-                    force_n: law::concrete_column(x, k, 0.25 * k * peak_mm, dice.between(0.2, 0.5)),
+                    force_n: law::concrete_column(x, k, 0.25 * k * peak_mm, rng.between(0.2, 0.5)),
                     declared: spring(k, 0.1),
                     truth: Truth {
                         nameless: true,
@@ -303,7 +303,7 @@ impl Device {
             Self::ShapeMemoryWires => {
                 let k = 8e3 * size;
                 let up = 0.2 * k * peak_mm;
-                let levels = [up, up * dice.between(0.3, 0.6)];
+                let levels = [up, up * rng.between(0.3, 0.6)];
                 Specimen {
                     force_n: law::flag(x, k, levels),
                     declared: spring(k, 0.05),
@@ -315,7 +315,7 @@ impl Device {
             }
             Self::RockingWall => {
                 let k = 3e4 * size;
-                let bars = if dice.chance(0.5) {
+                let bars = if rng.chance(0.5) {
                     0.05 * k * peak_mm
                 } else {
                     0.0
@@ -334,7 +334,7 @@ impl Device {
             }
             Self::BoltedJoint => {
                 let k = 6e4 * size;
-                let gap = peak_mm * dice.log_between(0.1, 0.2);
+                let gap = peak_mm * rng.log_between(0.1, 0.2);
                 Specimen {
                     force_n: law::bolted_joint(x, k, 0.08 * k * peak_mm, gap),
                     declared: spring(k, 1.0 / 15.0),
@@ -342,7 +342,7 @@ impl Device {
                 }
             }
             Self::MrDamper => {
-                let volts = dice.between(0.5, 2.25);
+                let volts = rng.between(0.5, 2.25);
                 Specimen {
                     force_n: law::mr_damper(x, volts),
                     declared: [Some([0.5, 0.5]), Some([2.1 + 0.35 * volts, 0.5]), None],
@@ -355,7 +355,7 @@ impl Device {
             }
             Self::StiffeningFrame => {
                 let k = 2e3 * size;
-                let more = dice.log_between(0.1, 0.8);
+                let more = rng.log_between(0.1, 0.8);
                 Specimen {
                     force_n: law::stiffening_frame(x, [k, 3.0, 100.0], more, peak_mm),
                     declared: [Some([k, k / 40.0]), Some([3.0, 1.0]), Some([100.0, 5.0])],

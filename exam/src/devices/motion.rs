@@ -1,6 +1,6 @@
 //! How earthquake laboratories move bearings, dampers, braces and walls. Displacement in mm on the 8 kHz grid.
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, FINE_HZ, lag, peak};
 use std::f64::consts::TAU;
 
@@ -21,24 +21,24 @@ pub(super) const AFTER_S: f64 = 1.0;
 impl Motion {
     /// Cycles, sines or an earthquake with a largest displacement of `peak_mm`; `slow` is for specimens whose force hardly
     /// depends on speed.
-    pub(super) fn draw(peak_mm: f64, slow: bool, dice: &mut Dice) -> Self {
+    pub(super) fn draw(peak_mm: f64, slow: bool, rng: &mut Draws) -> Self {
         let rate_hz = if slow {
-            dice.pick(&[50.0, 100.0])
+            rng.pick(&[50.0, 100.0])
         } else {
-            dice.pick(&[100.0, 200.0, 250.0])
+            rng.pick(&[100.0, 200.0, 250.0])
         };
-        let rest_s = dice.pick(&[0.0, 2.0, 3.0, 5.0]);
+        let rest_s = rng.pick(&[0.0, 2.0, 3.0, 5.0]);
         let kinds: &[&str] = if slow {
             &["cycles", "slow earthquake"]
         } else {
             &["cycles", "earthquake", "sines"]
         };
-        let name = dice.pick(kinds);
+        let name = rng.pick(kinds);
         let moved = match name {
             "cycles" => growing_cycles(peak_mm, if slow { 0.25 } else { 2.0 }),
             "sines" => sines(peak_mm),
-            "earthquake" => earthquake(peak_mm, dice.between(0.6, 2.0), 40.0, dice),
-            _ => earthquake(peak_mm, 4.0, 100.0, dice),
+            "earthquake" => earthquake(peak_mm, rng.between(0.6, 2.0), 40.0, rng),
+            _ => earthquake(peak_mm, 4.0, 100.0, rng),
         };
         let still = |seconds: f64| vec![0.0; (seconds * FINE_HZ) as usize];
         let x = [still(rest_s), moved, still(AFTER_S)].concat();
@@ -103,9 +103,9 @@ fn sines(peak_mm: f64) -> Vec<f64> {
 }
 
 /// The displacement of an oscillator with 7 % damping under noise of 0.2 to 8 Hz that swells and fades.
-fn earthquake(peak_mm: f64, period_s: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
+fn earthquake(peak_mm: f64, period_s: f64, seconds: f64, rng: &mut Draws) -> Vec<f64> {
     let n = (seconds * FINE_HZ) as usize;
-    let white: Vec<f64> = (0..n).map(|_| dice.normal()).collect();
+    let white: Vec<f64> = (0..n).map(|_| rng.normal()).collect();
     let low = |x: &[f64], hz: f64| lag(&lag(x, 1.0 / (TAU * hz)), 1.0 / (TAU * hz));
     let below = low(&white, 8.0);
     let slow = low(&below, 0.2);
@@ -133,8 +133,8 @@ mod tests {
     #[test]
     fn cycles_and_earthquakes_reach_their_peak_and_begin_and_end_at_rest() {
         for seed in 0..40 {
-            let dice = &mut Dice::new(seed);
-            let motion = Motion::draw(30.0, seed % 2 == 0, dice);
+            let rng = &mut Draws::new(seed);
+            let motion = Motion::draw(30.0, seed % 2 == 0, rng);
             let reached = peak(&motion.x);
             assert!(
                 (24.0..=30.001).contains(&reached),

@@ -1,7 +1,7 @@
 //! Friction, play, dead zones, bolts.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::DT;
 use crate::rig::Scene;
 
@@ -10,12 +10,12 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     use Channel::{Actuator, Specimen};
     let force = scale.k * scale.x;
-    let presliding = dice.log_between(0.003, 0.015) * scale.x;
-    let stribeck = (dice.between(1.4, 2.5), dice.log_between(0.1, 0.5) * scale.v);
+    let presliding = rng.log_between(0.003, 0.015) * scale.x;
+    let stribeck = (rng.between(1.4, 2.5), rng.log_between(0.1, 0.5) * scale.v);
     Some(match (name, channel) {
         ("coulomb_friction", Specimen) if unseen => Physics::new(
             "LuGre, without Stribeck's drop",
@@ -146,7 +146,7 @@ pub(super) fn draw(
             }
         }),
         ("slip_gap", Specimen) => {
-            let holds = dice.between(0.1, 0.4) * scale.x;
+            let holds = rng.between(0.1, 0.4) * scale.x;
             let slip_n = holds * scale.k;
             lost(
                 (1e-4 * scale.x, 0.6 * scale.x),

@@ -1,20 +1,20 @@
 //! Nonlinear springs.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 
 pub(super) fn draw(
     name: &str,
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     if channel == Channel::Actuator {
         return None;
     }
     let largest = scale.x;
-    let sign = dice.sign();
+    let sign = rng.sign();
     // `shape` is the added force over k, at a drift `r`; both in units of the largest drift.
     let spring = |equation, shape: Box<dyn Fn(f64, f64) -> f64 + Send + Sync>| {
         Physics::new(equation, (0.01, 1.9), move |s, scene, y| {
@@ -28,7 +28,7 @@ pub(super) fn draw(
             Box::new(|s, r| (s * 2.0 * r).sinh() / (2.0 * s) - r),
         ),
         "hardening" => {
-            let exponent = dice.between(1.5, 3.0);
+            let exponent = rng.between(1.5, 3.0);
             spring(
                 "k x |x / d|^p",
                 Box::new(move |s, r| r * (s * r).abs().powf(exponent)),
@@ -37,7 +37,7 @@ pub(super) fn draw(
         }
         "softening" if unseen => spring("k d tanh(x / d)", Box::new(|s, r| (s * r).tanh() / s - r)),
         "softening" => {
-            let exponent = dice.between(0.8, 2.0);
+            let exponent = rng.between(0.8, 2.0);
             spring(
                 "k x / (1 + |x / d|^p)",
                 Box::new(move |s, r| {

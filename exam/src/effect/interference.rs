@@ -1,7 +1,7 @@
 //! Mains hum, and what the converter rounds away.
 
 use super::physics::{Acts, Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::DT;
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     let unit = if channel == Channel::Actuator {
         scale.x
@@ -19,18 +19,18 @@ pub(super) fn draw(
     };
     Some(match name {
         "mains_hum" => {
-            let nominal = dice.pick(&[50.0, 60.0]);
+            let nominal = rng.pick(&[50.0, 60.0]);
             let hz = if unseen {
-                nominal + dice.between(-0.25, 0.25)
+                nominal + rng.between(-0.25, 0.25)
             } else {
                 nominal
             };
             let lines = if unseen {
                 vec![(1.0, 1.0), (2.0, 0.2), (3.0, 0.35), (5.0, 0.12)]
             } else {
-                vec![(1.0, 1.0), (3.0, dice.between(0.0, 0.4))]
+                vec![(1.0, 1.0), (3.0, rng.between(0.0, 0.4))]
             };
-            let phases: Vec<f64> = lines.iter().map(|_| dice.between(0.0, TAU)).collect();
+            let phases: Vec<f64> = lines.iter().map(|_| rng.between(0.0, TAU)).collect();
             let beat = if unseen { 0.1 } else { 0.0 };
             let mut physics = Physics::new(
                 if unseen {

@@ -1,7 +1,7 @@
 //! Limits of stroke, range and flow; pistons that push and pull differently.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, lag};
 
 pub(super) fn draw(
@@ -9,7 +9,7 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     use Channel::Actuator;
     let range_of_signal = if channel == Actuator {
@@ -21,7 +21,7 @@ pub(super) fn draw(
     let fastest = 4.0 * scale.v;
     Some(match (name, channel) {
         ("saturation", _) if unseen => {
-            let sharp = dice.between(10.0, 20.0);
+            let sharp = rng.between(10.0, 20.0);
             Physics::new("y / (1 + |y / L|^n)^(1/n)", (0.7, 2.5), move |s, _, y| {
                 let limit = range_of_signal / s;
                 let clipped = |y: f64| y / (1.0 + (y / limit).abs().powf(sharp)).powf(1.0 / sharp);
@@ -77,7 +77,7 @@ pub(super) fn draw(
             }
         }),
         ("asymmetric_actuator", Actuator) if unseen => {
-            let sign = dice.sign();
+            let sign = rng.sign();
             Physics::new(
                 "a valve with unequal openings: the lag is shorter one way than the other",
                 (1e-3, 0.6),
@@ -95,7 +95,7 @@ pub(super) fn draw(
             )
         }
         ("asymmetric_actuator", Actuator) => {
-            let sign = dice.sign();
+            let sign = rng.sign();
             Physics::new(
                 "gain 1 + d/2 pushing, 1 - d/2 pulling",
                 (1e-3, 0.6),

@@ -14,7 +14,7 @@ mod yielding;
 pub(crate) use physics::{Acts, Physics, Scale, plus};
 pub use physics::{Channel, Equations};
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 
 /// Name, family and channel of each effect that can be hidden.
 pub const LIST: &[(&str, &str, Channel)] = {
@@ -99,7 +99,7 @@ pub(crate) fn draw(
     channel: Channel,
     equations: Equations,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     let unseen = equations == Equations::Unseen;
     let makers = [
@@ -115,7 +115,7 @@ pub(crate) fn draw(
     ];
     let mut physics = makers
         .iter()
-        .find_map(|make| make(name, channel, unseen, scale, dice))?;
+        .find_map(|make| make(name, channel, unseen, scale, rng))?;
     physics.name = name;
     physics.channel = channel;
     Some(physics)
@@ -136,7 +136,7 @@ mod tests {
         };
         for (name, _, channel) in LIST {
             for equations in [Equations::Matched, Equations::Unseen] {
-                let drawn = draw(name, *channel, equations, &scale, &mut Dice::new(1));
+                let drawn = draw(name, *channel, equations, &scale, &mut Draws::new(1));
                 let physics = drawn.unwrap_or_else(|| panic!("{name} {channel:?} {equations:?}"));
                 assert!(0.0 < physics.range.0 && physics.range.0 < physics.range.1);
             }

@@ -1,7 +1,7 @@
 //! Wrong scale factors and wrong zeros.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::DT;
 
 pub(super) fn draw(
@@ -9,10 +9,10 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     let actuator = channel == Channel::Actuator;
-    let sign = dice.sign();
+    let sign = rng.sign();
     let unit = if actuator { scale.x } else { scale.x * scale.k };
     Some(match name {
         "gain_error" if unseen => Physics::new(
@@ -29,7 +29,7 @@ pub(super) fn draw(
         })
         .with(move |s| vec![("error", sign * s)]),
         "offset" => {
-            let tau = dice.between(0.1, 0.3) * scale.seconds;
+            let tau = rng.between(0.1, 0.3) * scale.seconds;
             let settling = if unseen { 0.08 } else { 0.0 };
             let parameter = if actuator { "offset_mm" } else { "offset_n" };
             let physics = Physics::new(

@@ -1,7 +1,7 @@
 //! Slow changes with time.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::DT;
 
 pub(super) fn draw(
@@ -9,10 +9,10 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     let actuator = channel == Channel::Actuator;
-    let sign = dice.sign();
+    let sign = rng.sign();
     let unit = if actuator { scale.x } else { scale.x * scale.k };
     // About the square of a third of the range.
     let power = 0.1 * unit * unit;
@@ -28,10 +28,10 @@ pub(super) fn draw(
             };
             if unseen {
                 let (quick, slow) = (
-                    dice.between(0.1, 0.3) * seconds,
-                    dice.between(0.6, 2.0) * seconds,
+                    rng.between(0.1, 0.3) * seconds,
+                    rng.between(0.6, 2.0) * seconds,
                 );
-                let share = dice.between(0.25, 0.75);
+                let share = rng.between(0.25, 0.75);
                 Physics::new(
                     "two bodies warm up, each with its time constant",
                     range,
@@ -42,13 +42,13 @@ pub(super) fn draw(
                         plus(y, clock(y.len()).map(|t| sign * s * grown(t)))
                     },
                 )
-            } else if dice.chance(0.5) {
+            } else if rng.chance(0.5) {
                 Physics::new("y + r t", range, move |s, _, y| {
                     plus(y, clock(y.len()).map(|t| sign * s * t / seconds))
                 })
                 .with(move |s| vec![(parameter, sign * s / seconds)])
             } else {
-                let tau = dice.between(0.3, 1.0) * seconds;
+                let tau = rng.between(0.3, 1.0) * seconds;
                 Physics::new("y + r T (1 - exp(-t / T))", range, move |s, _, y| {
                     plus(
                         y,
@@ -59,7 +59,7 @@ pub(super) fn draw(
             }
         }
         "temperature_gain" if unseen => {
-            let tau = dice.between(0.2, 0.8) * seconds;
+            let tau = rng.between(0.2, 0.8) * seconds;
             Physics::new(
                 "the gain follows the heat of the signal's own power and of the room",
                 (1e-3, 0.5),
@@ -75,7 +75,7 @@ pub(super) fn draw(
             )
         }
         "temperature_gain" => {
-            let tau = dice.between(0.2, 1.0) * seconds;
+            let tau = rng.between(0.2, 1.0) * seconds;
             Physics::new(
                 "(1 + c (1 - exp(-t / T))) y",
                 (1e-3, 0.5),

@@ -1,7 +1,7 @@
 //! Delays, lags and ringing.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, delay, lag, second_order};
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     use Channel::{Actuator, Specimen};
     Some(match (name, channel) {
@@ -63,7 +63,7 @@ pub(super) fn draw(
                 .with(|s| vec![("lag_ms", 1e3 * s)])
         }
         ("oil_column", Actuator) => {
-            let ratio = dice.between(0.08, 0.3);
+            let ratio = rng.between(0.08, 0.3);
             let linear = if unseen { 0.5 * ratio } else { ratio };
             // As much as the linear part at the typical speed.
             let quadratic = if unseen { 0.5 * ratio / scale.v } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Dampers and mass.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, second_order};
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ pub(super) fn draw(
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     if channel == Channel::Actuator {
         return None;
@@ -38,7 +38,7 @@ pub(super) fn draw(
             .with(move |s| vec![("damping_n_s2_per_mm2", s / (typical * typical))]),
         "maxwell_damper" => {
             // Viscous at the lower end of the band, elastic at the upper end.
-            let relaxes = 1.0 / (TAU * scale.high_hz * dice.between(0.15, 0.5));
+            let relaxes = 1.0 / (TAU * scale.high_hz * rng.between(0.15, 0.5));
             let branches: Vec<(f64, f64)> = if unseen {
                 vec![(0.6, 0.6 * relaxes), (0.4, 1.6 * relaxes)]
             } else {
@@ -84,7 +84,7 @@ pub(super) fn draw(
         }
         "inertia_force" => {
             let mount_hz = if unseen {
-                dice.between(60.0, 120.0)
+                rng.between(60.0, 120.0)
             } else {
                 f64::INFINITY
             };

@@ -1,19 +1,19 @@
 //! Specimens that yield.
 
 use super::physics::{Channel, Physics, Scale, plus};
-use crate::dice::Dice;
+use crate::draws::Draws;
 
 pub(super) fn draw(
     name: &str,
     channel: Channel,
     unseen: bool,
     scale: &Scale,
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Option<Physics> {
     if channel == Channel::Actuator {
         return None;
     }
-    let left = dice.between(0.05, 0.6);
+    let left = rng.between(0.05, 0.6);
     let largest = scale.x;
     // The strength is the largest drift over the yield drift.
     let range = (1.0, 8.0);
@@ -46,7 +46,7 @@ pub(super) fn draw(
             },
         ),
         "bouc_wen_hysteresis" => {
-            let sharpness = dice.between(1.0, 3.0);
+            let sharpness = rng.between(1.0, 3.0);
             Physics::new("Bouc and Wen, beta = gamma", range, move |s, scene, y| {
                 let m = scene.motion();
                 let d = yields(s);

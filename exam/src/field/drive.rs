@@ -2,7 +2,7 @@
 
 use super::mark::Truth;
 use super::motion::{Move, Plan};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, delay};
 use std::f64::consts::TAU;
 
@@ -76,9 +76,9 @@ pub(super) struct Rig {
 }
 
 impl Rig {
-    pub(super) fn draw(plan: &Plan, cause: Drive, dice: &mut Dice) -> Self {
-        let (delay_s, lag_s) = (dice.between(2e-3, 10e-3), dice.between(12e-3, 35e-3));
-        let size = dice.between(0.0, 1.0);
+    pub(super) fn draw(plan: &Plan, cause: Drive, rng: &mut Draws) -> Self {
+        let (delay_s, lag_s) = (rng.between(2e-3, 10e-3), rng.between(12e-3, 35e-3));
+        let size = rng.between(0.0, 1.0);
         let (mut later, mut slower) = (0.0, 1.0);
         if cause == Drive::Later {
             later = 4e-3 + 8e-3 * size;
@@ -93,7 +93,7 @@ impl Rig {
             delay_s: delay_s + later,
             lag_s: lag_s * slower,
             gain: if cause == Drive::Gain {
-                1.0 + dice.sign() * (0.05 + 0.1 * size)
+                1.0 + rng.sign() * (0.05 + 0.1 * size)
             } else {
                 1.0
             },
@@ -103,32 +103,27 @@ impl Rig {
             } else {
                 40.0 / (TAU * lag_s)
             },
-            damping: if soft { dice.between(0.35, 0.7) } else { 0.8 },
+            damping: if soft { rng.between(0.35, 0.7) } else { 0.8 },
             amplitude_mm: plan.amplitude_mm,
             speed: plan.speed(),
             size,
-            shape: dice.between(0.0, 1.0),
+            shape: rng.between(0.0, 1.0),
             lines: (0..4)
-                .map(|_| {
-                    [
-                        dice.between(0.4, 3.0) * plan.high_hz,
-                        dice.between(0.0, TAU),
-                    ]
-                })
+                .map(|_| [rng.between(0.4, 3.0) * plan.high_hz, rng.between(0.0, TAU)])
                 .collect(),
         }
     }
 
-    pub(super) fn displacement(&self, command: &[f64], dice: &mut Dice) -> Vec<f64> {
+    pub(super) fn displacement(&self, command: &[f64], rng: &mut Draws) -> Vec<f64> {
         let late = delay(command, self.delay_s);
         let (big, top) = (self.amplitude_mm, self.speed);
         // The largest opening, mm: how far the displacement lags behind its command at top speed.
         let open = top * self.lag_s;
         let omega = TAU * self.oil_hz;
         let (mut ram, mut x, mut v) = (self.gain * late[0], self.gain * late[0], 0.0);
-        let (mut phase, mut link) = (dice.between(0.0, TAU), x);
+        let (mut phase, mut link) = (rng.between(0.0, TAU), x);
         let mut bristle = 0.0_f64;
-        let starts: Vec<f64> = self.lines.iter().map(|_| dice.between(0.0, TAU)).collect();
+        let starts: Vec<f64> = self.lines.iter().map(|_| rng.between(0.0, TAU)).collect();
         late.iter()
             .enumerate()
             .map(|(i, u)| {

@@ -2,7 +2,7 @@
 
 use super::mark::Truth;
 use super::motion::{Move, Plan};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, derivative, rms};
 use std::f64::consts::TAU;
 
@@ -102,11 +102,11 @@ impl Cause {
     }
 
     /// The motion that a laboratory uses: growing cycles if damage follows the peak.
-    pub(super) fn motion(self, dice: &mut Dice) -> Move {
+    pub(super) fn motion(self, rng: &mut Draws) -> Move {
         if self == Self::FadesWithPeak {
             return Move::Growing;
         }
-        Move::of_specimens(self.needs_breadth(), dice)
+        Move::of_specimens(self.needs_breadth(), rng)
     }
 }
 
@@ -136,29 +136,24 @@ pub(super) struct Rig {
 }
 
 impl Rig {
-    pub(super) fn draw(plan: &Plan, cause: Cause, dice: &mut Dice) -> Self {
-        let k = dice.log_between(50.0, 5000.0) / plan.amplitude_mm;
+    pub(super) fn draw(plan: &Plan, cause: Cause, rng: &mut Draws) -> Self {
+        let k = rng.log_between(50.0, 5000.0) / plan.amplitude_mm;
         let omega = TAU * 0.5 * plan.high_hz;
         // The rig is moved below its own natural frequency.
-        let m = if dice.chance(0.5) {
-            1e3 * k * dice.between(0.05, 0.5) / omega.powi(2)
+        let m = if rng.chance(0.5) {
+            1e3 * k * rng.between(0.05, 0.5) / omega.powi(2)
         } else {
             0.0
         };
         Self {
             cause,
-            linear: [k, dice.between(0.02, 0.2) * k / omega, m],
+            linear: [k, rng.between(0.02, 0.2) * k / omega, m],
             amplitude_mm: plan.amplitude_mm,
             speed: plan.speed(),
-            size: dice.log_between(0.1, 0.8),
-            shape: [0.0; 3].map(|_: f64| dice.between(0.0, 1.0)),
+            size: rng.log_between(0.1, 0.8),
+            shape: [0.0; 3].map(|_: f64| rng.between(0.0, 1.0)),
             lines: (0..4)
-                .map(|_| {
-                    [
-                        dice.between(0.4, 3.0) * plan.high_hz,
-                        dice.between(0.0, TAU),
-                    ]
-                })
+                .map(|_| [rng.between(0.4, 3.0) * plan.high_hz, rng.between(0.0, TAU)])
                 .collect(),
             more_mass_kg: None,
         }
@@ -178,11 +173,11 @@ impl Rig {
         (0.5 + 1.5 * self.shape[1]) * self.size * self.damping_unit()
     }
 
-    pub(super) fn force(&mut self, x: &[f64], dice: &mut Dice) -> Vec<f64> {
+    pub(super) fn force(&mut self, x: &[f64], rng: &mut Draws) -> Vec<f64> {
         let v = derivative(x);
         let a = derivative(&v);
         let [k, c, m] = self.linear;
-        let more = self.element(x, &v, dice);
+        let more = self.element(x, &v, rng);
         let (mut c, mut m) = (c, m);
         if self.cause == Cause::MoreDamping {
             c += self.size * self.damping_unit();
@@ -197,7 +192,7 @@ impl Rig {
     }
 
     /// Force of the undeclared element, N.
-    fn element(&self, x: &[f64], v: &[f64], dice: &mut Dice) -> Vec<f64> {
+    fn element(&self, x: &[f64], v: &[f64], rng: &mut Draws) -> Vec<f64> {
         let force = self.size * self.linear_force();
         let (big, top, [s, r, q]) = (self.amplitude_mm, self.speed, self.shape);
         let each = |of: &mut dyn FnMut(usize) -> f64| -> Vec<f64> {
@@ -358,7 +353,7 @@ impl Rig {
             }
             Cause::SecondAxis => {
                 let lines = self.lines.clone();
-                let start: Vec<f64> = lines.iter().map(|_| dice.between(0.0, TAU)).collect();
+                let start: Vec<f64> = lines.iter().map(|_| rng.between(0.0, TAU)).collect();
                 each(&mut |i| {
                     let t = i as f64 * DT;
                     let sum = lines.iter().zip(&start);
@@ -369,10 +364,10 @@ impl Rig {
             }
             Cause::PumpLine => {
                 let hz = self.lines[0][0] * 3.0;
-                let (mut phase, mut off) = (dice.between(0.0, TAU), 0.0);
+                let (mut phase, mut off) = (rng.between(0.0, TAU), 0.0);
                 each(&mut |_| {
                     // Wanders by a few percent within seconds.
-                    off += DT * (-off / 2.0 + 0.05 * dice.normal() / DT.sqrt());
+                    off += DT * (-off / 2.0 + 0.05 * rng.normal() / DT.sqrt());
                     phase += TAU * DT * hz * (1.0 + off);
                     0.5 * phase.sin()
                 })

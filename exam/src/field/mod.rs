@@ -31,7 +31,7 @@ pub use ram::SOUND_RAM;
 pub use stand::{Limits, Stand};
 
 use crate::declared::Parameter;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::rms;
 use crate::record::Record;
 use drive::Drive;
@@ -79,12 +79,12 @@ pub fn causes() -> impl Iterator<Item = &'static str> {
 
 /// The record of a seed; the causes take turns.
 pub fn set_field(seed: u64) -> Field {
-    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xF1E1D);
+    let mut rng = Draws::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xF1E1D);
     let all = Cause::ALL.len() + Drive::ALL.len();
     let turn = (seed % all as u64) as usize;
     match Cause::ALL.get(turn) {
-        Some(cause) => specimen(seed, *cause, &mut dice),
-        None => actuator(seed, Drive::ALL[turn - Cause::ALL.len()], &mut dice),
+        Some(cause) => specimen(seed, *cause, &mut rng),
+        None => actuator(seed, Drive::ALL[turn - Cause::ALL.len()], &mut rng),
     }
 }
 
@@ -96,9 +96,9 @@ pub fn faults() -> impl Iterator<Item = &'static str> {
 /// The record of a ram under position control. Half of the rams are sound, and the faults take turns. The declared values were
 /// identified without a load, with a laboratory's usual tolerances.
 pub fn set_ram(seed: u64) -> Field {
-    let (mut dice, plan, reading, ram) = ram_of(seed);
-    let command = plan.motions(&mut dice).swap_remove(0).x;
-    let fitted = ram.identified(&command, &mut dice);
+    let (mut rng, plan, reading, ram) = ram_of(seed);
+    let command = plan.motions(&mut rng).swap_remove(0).x;
+    let fitted = ram.identified(&command, &mut rng);
     let tolerances = [0.005, 1.0, 2.0, 0.05];
     let own: [Parameter; 4] = std::array::from_fn(|i| Parameter::new(fitted[i], tolerances[i]));
     let truth = ram.truth();
@@ -108,69 +108,69 @@ pub fn set_ram(seed: u64) -> Field {
         Believed::Actuator(own),
         &plan,
         (stand, truth),
-        &mut dice,
+        &mut rng,
     )
 }
 
-fn ram_of(seed: u64) -> (Dice, Plan, Reading, Ram) {
-    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x4A11);
-    let plan = Plan::of_rams(&mut dice);
-    let reading = Reading::of_rams(&mut dice);
-    let ram = Ram::draw(Fault::of(seed), plan.amplitude_mm, plan.speed(), &mut dice);
-    (dice, plan, reading, ram)
+fn ram_of(seed: u64) -> (Draws, Plan, Reading, Ram) {
+    let mut rng = Draws::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x4A11);
+    let plan = Plan::of_rams(&mut rng);
+    let reading = Reading::of_rams(&mut rng);
+    let ram = Ram::draw(Fault::of(seed), plan.amplitude_mm, plan.speed(), &mut rng);
+    (rng, plan, reading, ram)
 }
 
 /// What the best-fitting sound ram leaves of the displacement of a seed's ram, over the noise of its reading. A fault that
 /// leaves less than the noise cannot be found.
 pub fn hidden_by_a_sound_ram(seed: u64) -> f64 {
-    let (mut dice, plan, _, ram) = ram_of(seed);
-    let command = plan.motions(&mut dice).swap_remove(0).x;
-    let sound = ram.sound(plan.speed(), &dice);
+    let (mut rng, plan, _, ram) = ram_of(seed);
+    let command = plan.motions(&mut rng).swap_remove(0).x;
+    let sound = ram.sound(plan.speed(), &rng);
     hidden::beyond_sound(&ram, &sound, &command) / set_ram(seed).noise_rms
 }
 
 /// A declared value that is wrong by about a tolerance.
-fn believed(truth: f64, tolerance: f64, dice: &mut Dice) -> Parameter {
-    let off = (0.8 * dice.normal()).clamp(-1.8, 1.8);
+fn believed(truth: f64, tolerance: f64, rng: &mut Draws) -> Parameter {
+    let off = (0.8 * rng.normal()).clamp(-1.8, 1.8);
     Parameter::new(truth + off * tolerance, tolerance)
 }
 
-fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
-    let plan = Plan::draw(cause.motion(dice), dice);
-    let reading = Reading::draw(dice);
-    let rig = force::Rig::draw(&plan, cause, dice);
+fn specimen(seed: u64, cause: Cause, rng: &mut Draws) -> Field {
+    let plan = Plan::draw(cause.motion(rng), rng);
+    let reading = Reading::draw(rng);
+    let rig = force::Rig::draw(&plan, cause, rng);
     let believed = {
         let [k, c, m] = rig.linear;
         let reach = rig.linear_force();
         Believed::Specimen([
-            Some(believed(k, 0.03 * k, dice)),
+            Some(believed(k, 0.03 * k, rng)),
             Some(believed(
                 c,
                 force::DAMPING_KNOWN * c.max(0.01 * rig.damping_unit()),
-                dice,
+                rng,
             )),
-            (m > 0.0).then(|| believed(m, 0.05 * m, dice)),
-            Some(believed(0.0, 0.005 * reach, dice)),
+            (m > 0.0).then(|| believed(m, 0.05 * m, rng)),
+            Some(believed(0.0, 0.005 * reach, rng)),
         ])
     };
     let truth = rig.truth(&plan);
     let stand = Stand::new(Machine::Specimen(rig), reading, &plan);
-    field(seed, believed, &plan, (stand, truth), dice)
+    field(seed, believed, &plan, (stand, truth), rng)
 }
 
-fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
-    let plan = Plan::draw(Move::of_actuators(dice), dice);
-    let reading = Reading::draw(dice);
-    let rig = drive::Rig::draw(&plan, cause, dice);
+fn actuator(seed: u64, cause: Drive, rng: &mut Draws) -> Field {
+    let plan = Plan::draw(Move::of_actuators(rng), rng);
+    let reading = Reading::draw(rng);
+    let rig = drive::Rig::draw(&plan, cause, rng);
     let believed = Believed::Actuator([
-        believed(1.0, 0.01, dice),
-        believed(rig.declared_ms[0], 0.5, dice),
-        believed(rig.declared_ms[1], 0.05 * rig.declared_ms[1], dice),
-        believed(0.0, 0.002 * plan.amplitude_mm, dice),
+        believed(1.0, 0.01, rng),
+        believed(rig.declared_ms[0], 0.5, rng),
+        believed(rig.declared_ms[1], 0.05 * rig.declared_ms[1], rng),
+        believed(0.0, 0.002 * plan.amplitude_mm, rng),
     ]);
     let truth = rig.truth(&plan);
     let stand = Stand::new(Machine::Actuator(rig), reading, &plan);
-    field(seed, believed, &plan, (stand, truth), dice)
+    field(seed, believed, &plan, (stand, truth), rng)
 }
 
 /// Records and cuts the planned motions.
@@ -179,10 +179,10 @@ fn field(
     believed: Believed,
     plan: &Plan,
     (mut stand, truth): (Stand, Truth),
-    dice: &mut Dice,
+    rng: &mut Draws,
 ) -> Field {
-    let motions = plan.motions(dice);
-    let both = motions.iter().map(|m| stand.read(m, dice));
+    let motions = plan.motions(rng);
+    let both = motions.iter().map(|m| stand.read(m, rng));
     let (files, perfect): (Vec<Record>, Vec<Record>) = both.map(|[read, is]| (read, is)).unzip();
     let [train, test] = plan.spans(&files);
     let [is, _] = plan.spans(&perfect);

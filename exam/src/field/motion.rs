@@ -1,6 +1,6 @@
 //! How a laboratory that has not had our advice moves its rigs.
 
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, FINE_HZ, lag, peak};
 use crate::record::Record;
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub enum Move {
 
 impl Move {
     /// A waveform for a specimen.
-    pub(super) fn of_specimens(breadth: bool, dice: &mut Dice) -> Self {
+    pub(super) fn of_specimens(breadth: bool, rng: &mut Draws) -> Self {
         let broad = [
             Self::Multisine,
             Self::Chirp,
@@ -37,21 +37,21 @@ impl Move {
             Self::RampAndHold,
         ];
         let narrow = [Self::OneFrequency, Self::OneSpeed, Self::OneSided];
-        if breadth || dice.chance(0.6) {
-            dice.pick(&broad)
+        if breadth || rng.chance(0.6) {
+            rng.pick(&broad)
         } else {
-            dice.pick(&narrow)
+            rng.pick(&narrow)
         }
     }
 
     /// A waveform for an actuator.
-    pub(super) fn of_actuators(dice: &mut Dice) -> Self {
+    pub(super) fn of_actuators(rng: &mut Draws) -> Self {
         let usual = [Self::Multisine, Self::Chirp, Self::Random];
         let odd = [Self::OneFrequency, Self::OneSpeed, Self::RampAndHold];
-        if dice.chance(0.7) {
-            dice.pick(&usual)
+        if rng.chance(0.7) {
+            rng.pick(&usual)
         } else {
-            dice.pick(&odd)
+            rng.pick(&odd)
         }
     }
 }
@@ -108,20 +108,20 @@ const REST_S: f64 = 1.5;
 const SHORT: f64 = 0.2;
 
 impl Plan {
-    pub(super) fn draw(kind: Move, dice: &mut Dice) -> Self {
-        let high_hz = dice.log_between(0.5, 4.0);
-        let rate_hz: f64 = dice.pick(&[100.0, 200.0, 250.0, 500.0, 1000.0]);
-        let amplitude_mm = dice.log_between(2.0, 50.0);
-        let rests = dice.chance(0.3);
-        if dice.chance(SHORT) {
+    pub(super) fn draw(kind: Move, rng: &mut Draws) -> Self {
+        let high_hz = rng.log_between(0.5, 4.0);
+        let rate_hz: f64 = rng.pick(&[100.0, 200.0, 250.0, 500.0, 1000.0]);
+        let amplitude_mm = rng.log_between(2.0, 50.0);
+        let rests = rng.chance(0.3);
+        if rng.chance(SHORT) {
             // Eight to twelve seconds in all.
             return Self {
                 kind,
                 amplitude_mm,
                 high_hz: high_hz.max(2.0),
                 rate_hz: rate_hz.max(250.0),
-                seconds: dice.between(4.0, 6.0),
-                rest_s: Some(dice.between(0.3, 0.5)),
+                seconds: rng.between(4.0, 6.0),
+                rest_s: Some(rng.between(0.3, 0.5)),
                 spans: Spans::Halves,
             };
         }
@@ -134,16 +134,16 @@ impl Plan {
             rate_hz,
             seconds,
             rest_s: rests.then_some(REST_S),
-            spans: dice.pick(&[Spans::TwoFiles, Spans::Halves, Spans::Cut]),
+            spans: rng.pick(&[Spans::TwoFiles, Spans::Halves, Spans::Cut]),
         }
     }
 
     /// The plan for a laboratory's ram: two records with a rest.
-    pub(super) fn of_rams(dice: &mut Dice) -> Self {
-        let high_hz = dice.log_between(1.0, 4.0);
+    pub(super) fn of_rams(rng: &mut Draws) -> Self {
+        let high_hz = rng.log_between(1.0, 4.0);
         Self {
-            kind: dice.pick(&[Move::Multisine, Move::Chirp, Move::Random, Move::Growing]),
-            amplitude_mm: dice.log_between(8.0, 40.0) / high_hz,
+            kind: rng.pick(&[Move::Multisine, Move::Chirp, Move::Random, Move::Growing]),
+            amplitude_mm: rng.log_between(8.0, 40.0) / high_hz,
             high_hz,
             rate_hz: 500.0,
             seconds: 20.0,
@@ -165,13 +165,13 @@ impl Plan {
 
     /// Largest expected speed, mm/s.
     pub(super) fn speed(&self) -> f64 {
-        let x = self.trajectory(self.seconds, &mut Dice::new(7));
+        let x = self.trajectory(self.seconds, &mut Draws::new(7));
         let steps: Vec<f64> = x.windows(2).map(|w| (w[1] - w[0]) / DT).collect();
         peak(&steps[(0.2 * FINE_HZ) as usize..])
     }
 
     /// The recorded motions: one, or two of which the second is shorter.
-    pub(super) fn motions(&self, dice: &mut Dice) -> Vec<Moved> {
+    pub(super) fn motions(&self, rng: &mut Draws) -> Vec<Moved> {
         let n = |seconds: f64| (seconds * FINE_HZ) as usize;
         let lead = self.rest_s.unwrap_or(BEFORE_S);
         let shares: &[f64] = match self.spans {
@@ -181,7 +181,7 @@ impl Plan {
         let moved = |share: &f64| {
             let seconds = share * self.seconds;
             Moved {
-                x: self.whole(lead, seconds, dice),
+                x: self.whole(lead, seconds, rng),
                 from: if self.rest_s.is_some() { 0 } else { n(lead) },
                 end: n(lead + seconds),
                 rate_hz: self.rate_hz,
@@ -210,8 +210,8 @@ impl Plan {
         }
     }
 
-    fn whole(&self, lead: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
-        let mut x = self.trajectory(lead + seconds + 0.1, dice);
+    fn whole(&self, lead: f64, seconds: f64, rng: &mut Draws) -> Vec<f64> {
+        let mut x = self.trajectory(lead + seconds + 0.1, rng);
         if self.rest_s.is_some() {
             let grows = |i: usize| ((i as f64 * DT - lead) / 0.5).clamp(0.0, 1.0);
             let still = x[(lead * FINE_HZ) as usize] * f64::from(self.kind == Move::OneSided);
@@ -223,11 +223,11 @@ impl Plan {
         x
     }
 
-    fn trajectory(&self, seconds: f64, dice: &mut Dice) -> Vec<f64> {
+    fn trajectory(&self, seconds: f64, rng: &mut Draws) -> Vec<f64> {
         let n = (seconds * FINE_HZ) as usize;
         let t = |i: usize| i as f64 * DT;
         let (a, hz) = (self.amplitude_mm, self.high_hz);
-        let start = dice.between(0.0, TAU);
+        let start = rng.between(0.0, TAU);
         let sweep = |i: usize, from: f64| {
             (start + TAU * (from * t(i) + 0.5 * (hz - from) * t(i).powi(2) / seconds)).sin()
         };
@@ -235,8 +235,8 @@ impl Plan {
             Move::Multisine => {
                 let lines: Vec<[f64; 3]> = (1..=12)
                     .map(|i| {
-                        let f = hz * (f64::from(i) + dice.between(-0.3, 0.3)) / 12.0;
-                        [f, dice.between(0.5, 1.0), dice.between(0.0, TAU)]
+                        let f = hz * (f64::from(i) + rng.between(-0.3, 0.3)) / 12.0;
+                        [f, rng.between(0.5, 1.0), rng.between(0.0, TAU)]
                     })
                     .collect();
                 let sum = |i| {
@@ -257,7 +257,7 @@ impl Plan {
             Move::Random => {
                 // The first value is zero because the filters start in equilibrium with it: from a random value, the
                 // decaying start would be the largest part of the motion and set its scale.
-                let white = (0..n).map(|i| if i == 0 { 0.0 } else { dice.normal() });
+                let white = (0..n).map(|i| if i == 0 { 0.0 } else { rng.normal() });
                 let white: Vec<f64> = white.collect();
                 let tau = 0.25 / (TAU * 0.25 * hz);
                 let smooth = lag(&lag(&lag(&white, tau), tau), tau);
@@ -276,22 +276,22 @@ impl Plan {
                 lag(&(0..n).map(wave).collect::<Vec<_>>(), 0.02 / hz)
             }
             Move::RampAndHold => {
-                let (mut at, mut goal, mut wait) = (0.0, a * dice.between(-1.0, 1.0), 0.0);
+                let (mut at, mut goal, mut wait) = (0.0, a * rng.between(-1.0, 1.0), 0.0);
                 let speed = 2.0 * a * hz;
-                let mut speed_now = speed * dice.log_between(0.2, 1.0);
+                let mut speed_now = speed * rng.log_between(0.2, 1.0);
                 let walk = (0..n)
                     .map(|_| {
                         let left: f64 = goal - at;
                         if left.abs() > speed_now * DT {
                             at += speed_now * DT * left.signum();
                         } else if wait <= 0.0 {
-                            wait = dice.between(0.1, 0.6) / hz;
+                            wait = rng.between(0.1, 0.6) / hz;
                             at = goal;
                         } else {
                             wait -= DT;
                             if wait <= 0.0 {
-                                goal = a * dice.between(-1.0, 1.0);
-                                speed_now = speed * dice.log_between(0.2, 1.0);
+                                goal = a * rng.between(-1.0, 1.0);
+                                speed_now = speed * rng.log_between(0.2, 1.0);
                             }
                         }
                         at

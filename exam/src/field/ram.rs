@@ -2,7 +2,7 @@
 //! Hydraulic Control Systems, 1967, chapters 3 and 6). Its declared values were fitted without a load.
 
 use super::mark::Truth;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, delay, lag, rms};
 use std::f64::consts::TAU;
 
@@ -100,37 +100,37 @@ impl Ram {
         fault: Fault,
         amplitude_mm: f64,
         speed_mm_per_s: f64,
-        dice: &mut Dice,
+        rng: &mut Draws,
     ) -> Self {
         let of = |f: Fault, yes: f64, no: f64| if fault == f { yes } else { no };
         let top = 1e-3 * speed_mm_per_s;
-        let large = dice.between(2.0, 4.0);
+        let large = rng.between(2.0, 4.0);
         Self {
             fault,
-            delay_s: dice.between(5e-4, 2e-3),
-            lag_s: dice.between(10e-3, 25e-3),
-            valve_hz: dice.between(60.0, 120.0),
+            delay_s: rng.between(5e-4, 2e-3),
+            lag_s: rng.between(10e-3, 25e-3),
+            valve_hz: rng.between(60.0, 120.0),
             oil_hz: of(
                 Fault::SoftHoses,
-                dice.between(14.0, 20.0),
-                dice.between(70.0, 110.0),
+                rng.between(14.0, 20.0),
+                rng.between(70.0, 110.0),
             ),
-            load: dice.between(0.0, 4e4) / (1e-3 * amplitude_mm),
+            load: rng.between(0.0, 4e4) / (1e-3 * amplitude_mm),
             seals: of(
                 Fault::TightSeals,
-                dice.between(4e3, 7e3),
-                dice.between(1e2, 4e2),
+                rng.between(4e3, 7e3),
+                rng.between(1e2, 4e2),
             ),
-            speed: top * of(Fault::SmallValve, dice.between(0.75, 0.95), large),
-            overlap: of(Fault::Overlap, dice.between(0.05, 0.08), 0.0),
-            area_ratio: of(Fault::SingleRod, dice.between(0.5, 0.7), 1.0),
-            sag: of(Fault::Sag, dice.between(0.3, 0.5), 0.0),
+            speed: top * of(Fault::SmallValve, rng.between(0.75, 0.95), large),
+            overlap: of(Fault::Overlap, rng.between(0.05, 0.08), 0.0),
+            area_ratio: of(Fault::SingleRod, rng.between(0.5, 0.7), 1.0),
+            sag: of(Fault::Sag, rng.between(0.3, 0.5), 0.0),
         }
     }
 
     /// The same ram with a sound one's values in place of the faulty ones.
-    pub(super) fn sound(&self, speed_mm_per_s: f64, dice: &Dice) -> Self {
-        let own = Self::draw(Fault::Sound, 1.0, speed_mm_per_s, &mut dice.clone());
+    pub(super) fn sound(&self, speed_mm_per_s: f64, rng: &Draws) -> Self {
+        let own = Self::draw(Fault::Sound, 1.0, speed_mm_per_s, &mut rng.clone());
         let is = |fault| self.fault == fault;
         Self {
             fault: Fault::Sound,
@@ -201,10 +201,10 @@ impl Ram {
 
     /// Gain, delay in ms, lag in ms and offset in mm, as a laboratory fits them to another motion of half the size, without
     /// a load. Faults come later and do not affect the fit; only a valve that is too small was there already.
-    pub(super) fn identified(&self, command_mm: &[f64], dice: &mut Dice) -> [f64; 4] {
+    pub(super) fn identified(&self, command_mm: &[f64], rng: &mut Draws) -> [f64; 4] {
         let mut sound = self.calm();
         if self.fault != Fault::SmallValve {
-            let own = Self::draw(Fault::Sound, 1.0, 1.0, &mut dice.clone());
+            let own = Self::draw(Fault::Sound, 1.0, 1.0, &mut rng.clone());
             (sound.oil_hz, sound.seals) = (own.oil_hz.max(70.0), own.seals);
             (sound.overlap, sound.area_ratio, sound.sag) = (0.0, 1.0, 0.0);
         }

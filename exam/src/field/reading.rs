@@ -1,7 +1,7 @@
 //! What is written to the file.
 
 use super::motion::Moved;
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{FINE_HZ, peak};
 use crate::noise::{coloured, convert};
 use crate::record::Record;
@@ -27,17 +27,17 @@ impl Reading {
         bits: 0,
     };
 
-    pub(super) fn draw(dice: &mut Dice) -> Self {
+    pub(super) fn draw(rng: &mut Draws) -> Self {
         Self {
-            noise: dice.pick(&[0.0, 1e-4, 5e-4, 2e-3]),
-            bits: dice.pick(&[0, 0, 16, 12, 10]),
+            noise: rng.pick(&[0.0, 1e-4, 5e-4, 2e-3]),
+            bits: rng.pick(&[0, 0, 16, 12, 10]),
         }
     }
 
     /// The reading of a laboratory's ram: 16 bits and a good transducer's noise.
-    pub(super) fn of_rams(dice: &mut Dice) -> Self {
+    pub(super) fn of_rams(rng: &mut Draws) -> Self {
         Self {
-            noise: dice.log_between(3e-4, 1.5e-3),
+            noise: rng.log_between(3e-4, 1.5e-3),
             bits: 16,
         }
     }
@@ -54,7 +54,7 @@ impl Reading {
         command: Option<&[f64]>,
         force: Option<&[f64]>,
         scale: [f64; 2],
-        dice: &mut Dice,
+        rng: &mut Draws,
     ) -> Record {
         let every = (FINE_HZ / moved.rate_hz) as usize;
         let at = |s: &[f64]| -> Vec<f64> {
@@ -68,7 +68,7 @@ impl Reading {
             let mut s = s;
             if self.noise > 0.0 {
                 let sigma = share * self.noise * scale;
-                let noise = coloured(s.len(), sigma, moved.rate_hz, dice);
+                let noise = coloured(s.len(), sigma, moved.rate_hz, rng);
                 s.iter_mut().zip(noise).for_each(|(s, n)| *s += n);
             }
             if self.bits > 0 {

@@ -3,7 +3,7 @@
 use super::motion::{Moved, Plan};
 use super::reading::{self, Reading};
 use super::{drive, force, ram};
-use crate::dice::Dice;
+use crate::draws::Draws;
 use crate::fine::{DT, FINE_HZ};
 use crate::record::Record;
 
@@ -56,17 +56,16 @@ impl Stand {
     }
 
     /// The reading of a motion, and a perfect reading of it.
-    pub(super) fn read(&mut self, moved: &Moved, dice: &mut Dice) -> [Record; 2] {
+    pub(super) fn read(&mut self, moved: &Moved, rng: &mut Draws) -> [Record; 2] {
         let (x, command, force) = match &mut self.machine {
-            Machine::Specimen(rig) => (moved.x.clone(), None, Some(rig.force(&moved.x, dice))),
-            Machine::Actuator(rig) => (rig.displacement(&moved.x, dice), Some(&moved.x[..]), None),
+            Machine::Specimen(rig) => (moved.x.clone(), None, Some(rig.force(&moved.x, rng))),
+            Machine::Actuator(rig) => (rig.displacement(&moved.x, rng), Some(&moved.x[..]), None),
             Machine::Ram(ram) => (ram.displacement(&moved.x), Some(&moved.x[..]), None),
         };
         let ranges = || reading::scale(&x, force.as_deref().unwrap_or_default());
         let scale = *self.scale.get_or_insert_with(ranges);
         let at = Moved { x, ..moved.clone() };
-        let mut by =
-            |reading: &Reading| reading.record(&at, command, force.as_deref(), scale, dice);
+        let mut by = |reading: &Reading| reading.record(&at, command, force.as_deref(), scale, rng);
         [by(&self.reading), by(&Reading::PERFECT)]
     }
 
@@ -99,7 +98,7 @@ impl Stand {
             from: 0,
             rate_hz: self.rate_hz,
         };
-        self.clone().read(&moved, &mut Dice::new(seed))
+        self.clone().read(&moved, &mut Draws::new(seed))
     }
 }
 

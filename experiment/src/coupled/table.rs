@@ -95,7 +95,8 @@ pub struct CoupledStructure {
     pub stiffness: Vec<Vec<f64>>,
     /// Damping ratio of every mode, or of each from the lowest, 0 to 1.
     pub damping_ratio: PerAxis,
-    /// Displacement of each coordinate per displacement of the ground; left out: 1 for displacements, 0 for rotations.
+    /// Displacement of each coordinate per displacement of the ground, rad/m of a rotation; left out: 1 for displacements, 0
+    /// for rotations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub influence: Option<PerAxis>,
 }
@@ -110,7 +111,7 @@ fn x_and_rotation() -> Vec<String> {
 pub struct PhysicalPart {
     /// Stiffness, N/m, N/rad, N m/rad; symmetric.
     pub stiffness: [[f64; 2]; 2],
-    /// Viscous damping, N s/m and so on; symmetric.
+    /// Viscous damping, N s/m, N s/rad, N m s/rad; symmetric.
     #[serde(default)]
     pub damping: [[f64; 2]; 2],
     /// Mass whose inertia the load cells feel, kg and kg m^2; no cross terms.

@@ -385,11 +385,11 @@ mod tests {
         force_n: impl Fn(f32, u32) -> f32,
     ) -> Option<u32> {
         let mut watch = SensorWatch::<1>::new();
-        let mut dice = 1_u32;
+        let mut rng = 1_u32;
         // Uniform from -1 to 1: its standard deviation is 0.58.
         let mut noise = || {
-            dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (dice >> 8) as f32 / 8_388_608.0 - 1.0
+            rng = rng.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (rng >> 8) as f32 / 8_388_608.0 - 1.0
         };
         (0..2000 * seconds).find(|&step| {
             let m = place_m(step as f32 / 2000.0);

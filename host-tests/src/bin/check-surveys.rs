@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Validate `check` and the interlocks over many drawn tests
+/// Validate `check` and the interlocks over many drawn tests. Exit status 2: bad input
 #[derive(Parser, Debug)]
 struct Arguments {
     #[command(subcommand)]
@@ -117,7 +117,7 @@ fn main() -> ExitCode {
         Ok(false) => ExitCode::FAILURE,
         Err(failure) => {
             eprintln!("check-surveys: {failure}");
-            ExitCode::FAILURE
+            failure.exit()
         }
     }
 }

@@ -14,22 +14,22 @@ const GAINS_OFF: f64 = 0.02;
 
 /// This many test files, with the compensations in turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
-    let mut dice = UniformDraws::new(seed);
+    let mut rng = UniformDraws::new(seed);
     let kinds = CoupledCompensation::ALL.into_iter().cycle();
     kinds
         .take(rigs)
-        .map(|kind| test_file(kind, &mut dice))
+        .map(|kind| test_file(kind, &mut rng))
         .collect()
 }
 
-fn test_file(kind: CoupledCompensation, dice: &mut UniformDraws) -> String {
-    let hz = [dice.between(1.0, 4.0), dice.between(6.0, 12.0)];
+fn test_file(kind: CoupledCompensation, rng: &mut UniformDraws) -> String {
+    let hz = [rng.between(1.0, 4.0), rng.between(6.0, 12.0)];
     let [k, turn] = [0, 1].map(|i| MASS[i] * (TAU * hz[i]).powi(2));
-    let cross = dice.between(0.0, 0.4) * (k * turn).sqrt();
-    let share = dice.between(0.2, 0.8);
-    let damping = dice.between(0.02, 0.06);
-    let peak_mm = dice.between(5.0, 25.0);
-    let noise_mm = dice.between(0.01, 0.04);
+    let cross = rng.between(0.0, 0.4) * (k * turn).sqrt();
+    let share = rng.between(0.2, 0.8);
+    let damping = rng.between(0.02, 0.06);
+    let peak_mm = rng.between(5.0, 25.0);
+    let noise_mm = rng.between(0.01, 0.04);
     let (x_m, stroke_m) = (3e-3 * peak_mm, 8e-3 * peak_mm);
     let mut text = format!(
         "[coupled]\ncompensation = '{}'\nnoise_mm = {noise_mm}\n\
@@ -50,19 +50,19 @@ fn test_file(kind: CoupledCompensation, dice: &mut UniformDraws) -> String {
         share * cross,
         share * cross,
         share * turn,
-        dice.between(1.0, 10.0),
+        rng.between(1.0, 10.0),
     );
-    let declared = Actuators::drawn(dice);
-    let rig = declared.differing(dice);
+    let declared = Actuators::drawn(rng);
+    let rig = declared.differing(rng);
     let _ = write!(
         text,
         "[coupled.actuators]\n{}damping_ratio = 0.62\n[plant.coupled.actuators]\n{}",
         declared.text(),
         rig.text()
     );
-    if dice.with_probability(0.5) {
-        let brace = dice.between(0.02, 0.15) * share * k;
-        let yields_mm = peak_mm * dice.between(0.2, 0.8);
+    if rng.with_probability(0.5) {
+        let brace = rng.between(0.02, 0.15) * share * k;
+        let yields_mm = peak_mm * rng.between(0.2, 0.8);
         let _ = writeln!(
             text,
             "[plant.coupled.specimen]\nsprings = [{{ arm_m = 0.1, stiffness_n_per_m = {brace}, yield_mm = {yields_mm}, \
@@ -83,21 +83,21 @@ struct Actuators {
 }
 
 impl Actuators {
-    fn drawn(dice: &mut UniformDraws) -> Self {
-        let cross = dice.between(0.0, 0.17);
+    fn drawn(rng: &mut UniformDraws) -> Self {
+        let cross = rng.between(0.0, 0.17);
         Self {
             gain: [[0.87, cross], [cross, 0.92]],
-            slow_pole_hz: [dice.between(2.0, 8.0), dice.between(2.0, 8.0)],
-            fast_pole_hz: [dice.between(15.0, 60.0), dice.between(15.0, 60.0)],
+            slow_pole_hz: [rng.between(2.0, 8.0), rng.between(2.0, 8.0)],
+            fast_pole_hz: [rng.between(15.0, 60.0), rng.between(15.0, 60.0)],
             // With a smaller second lead, the cross terms would have a zero in the right half plane.
-            path_lead_ms: [dice.between(0.0, 60.0), dice.between(5.0, 60.0)],
-            natural_hz: dice.between(50.0, 100.0),
-            delay_ms: [dice.between(0.0, 5.0), dice.between(0.0, 5.0)],
+            path_lead_ms: [rng.between(0.0, 60.0), rng.between(5.0, 60.0)],
+            natural_hz: rng.between(50.0, 100.0),
+            delay_ms: [rng.between(0.0, 5.0), rng.between(0.0, 5.0)],
         }
     }
 
-    fn differing(&self, dice: &mut UniformDraws) -> Self {
-        let mut off = |x: f64, most: f64| x * dice.between(1.0 - most, 1.0 + most);
+    fn differing(&self, rng: &mut UniformDraws) -> Self {
+        let mut off = |x: f64, most: f64| x * rng.between(1.0 - most, 1.0 + most);
         Self {
             gain: self.gain.map(|row| row.map(|g| off(g, GAINS_OFF))),
             slow_pole_hz: self.slow_pole_hz.map(|x| off(x, TIMES_OFF)),

@@ -172,7 +172,7 @@ pub struct MonitorPlan {
 
 /// This many sound and broken tests.
 pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
-    let mut dice = UniformDraws::new(seed);
+    let mut rng = UniformDraws::new(seed);
     // The gains of `amb` are tuned for one size of motion; with another it sends several times the planned peak.
     let mut predictors = Prediction::ALL.to_vec();
     predictors.retain(|&predictor| predictor != Prediction::Amb);
@@ -192,11 +192,11 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
         .zip(seed..)
         .map(|((kind, method), seed)| MonitorPlan {
             kind,
-            text: test_file(method, &mut dice, &range),
-            stretch: dice.one_of(&[0.7, 1.0, 1.4]),
+            text: test_file(method, &mut rng, &range),
+            stretch: rng.one_of(&[0.7, 1.0, 1.4]),
             // The strong part of the built-in ground motion is around 5 s of 30.
-            at: dice.between(0.2, 0.6),
-            much: dice.between(0.0, 1.0),
+            at: rng.between(0.2, 0.6),
+            much: rng.between(0.0, 1.0),
             seed,
         })
         .collect()

@@ -122,7 +122,7 @@ impl UniformDraws {
 
 /// This many test files, with the methods in turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
-    let mut dice = UniformDraws::new(seed);
+    let mut rng = UniformDraws::new(seed);
     let range = DrawRange {
         seconds: SECONDS,
         latest: |_| LONGEST_MS,
@@ -132,7 +132,7 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let methods = Method::ALL.into_iter().cycle();
     methods
         .take(rigs)
-        .map(|method| test_file(method, &mut dice, &range))
+        .map(|method| test_file(method, &mut rng, &range))
         .collect()
 }
 
@@ -148,24 +148,24 @@ pub(super) struct DrawRange {
     pub(super) predictors: Vec<Prediction>,
 }
 
-pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRange) -> String {
-    let storeys = dice.one_of(&[1_usize, 1, 2, 3]);
-    let first_hz = dice.between(0.5, 4.0);
+pub(super) fn test_file(method: Method, rng: &mut UniformDraws, range: &DrawRange) -> String {
+    let storeys = rng.one_of(&[1_usize, 1, 2, 3]);
+    let first_hz = rng.between(0.5, 4.0);
     // Equal storeys: omega_1 = 2 sqrt(k/m) sin(pi / (4 n + 2)).
     let sine = (std::f64::consts::PI / (4 * storeys + 2) as f64).sin();
     let root = std::f64::consts::TAU * first_hz / (2.0 * sine);
     let stiffness = MASS_KG * root * root;
     let list = |x: f64| format!("{:?}", vec![x; storeys]);
-    let damping = dice.between(0.01, 0.05);
-    let physical = dice.one_of(&[1, storeys]);
+    let damping = rng.between(0.01, 0.05);
+    let physical = rng.one_of(&[1, storeys]);
     let mut text = format!(
         "[structure]\nmass_kg = {}\nstiffness_n_per_m = {}\ndamping_ratio = {}\nphysical_storeys = {physical}\n",
         list(MASS_KG),
         list(stiffness),
         list(damping)
     );
-    let rate_hz = dice.one_of(&[1000, 2000]);
-    let peak_mm = dice.between(10.0, 50.0);
+    let rate_hz = rng.one_of(&[1000, 2000]);
+    let peak_mm = rng.between(10.0, 50.0);
     let _ = write!(
         text,
         "[loop]\nrate_hz = {rate_hz}\n[excitation]\npeak_response_mm = {peak_mm}\nduration_s = {}\n",
@@ -173,8 +173,8 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
     );
 
     // Short delays more often than long ones, with which few tests are sound.
-    let delay_ms = (range.latest)(first_hz) * dice.between(0.0, 1.0).powi(2);
-    let kind = dice.one_of(&["delay", "first_order", "second_order", "lag_delay"]);
+    let delay_ms = (range.latest)(first_hz) * rng.between(0.0, 1.0).powi(2);
+    let kind = rng.one_of(&["delay", "first_order", "second_order", "lag_delay"]);
     let (delay_ms, lag_ms) = match kind {
         "lag_delay" => (0.6 * delay_ms, 0.4 * delay_ms),
         _ => (delay_ms, 0.0),
@@ -187,31 +187,31 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
         let _ = writeln!(text, "lag_ms = {lag_ms}");
     }
 
-    if dice.with_probability(0.5) {
-        let kind = dice.one_of(&["bilinear", "bouc_wen"]);
-        let yield_mm = peak_mm * dice.between(0.3, 1.0) / storeys as f64;
-        let hardening = dice.between(0.03, 0.3);
+    if rng.with_probability(0.5) {
+        let kind = rng.one_of(&["bilinear", "bouc_wen"]);
+        let yield_mm = peak_mm * rng.between(0.3, 1.0) / storeys as f64;
+        let hardening = rng.between(0.03, 0.3);
         let _ = writeln!(
             text,
             "[plant.specimen]\nkind = '{kind}'\nyield_mm = {yield_mm}\nhardening_ratio = {hardening}"
         );
     }
 
-    let noisy = dice.with_probability(0.7);
+    let noisy = rng.with_probability(0.7);
     if noisy {
-        let noise_mm = dice.between(0.001, 0.03);
+        let noise_mm = rng.between(0.001, 0.03);
         let noise_n = 0.5 * stiffness * noise_mm * 1e-3;
         let _ = writeln!(
             text,
             "[plant.sensors]\ndisplacement_noise_mm = {noise_mm}\nforce_noise_n = {noise_n}"
         );
-        if dice.with_probability(0.5) {
+        if rng.with_probability(0.5) {
             let _ = writeln!(text, "bits = 16\ndisplacement_range_mm = 250");
         }
     }
 
-    let method = if dice.with_probability(0.5) {
-        method.behind(dice.one_of(&range.predictors))
+    let method = if rng.with_probability(0.5) {
+        method.behind(rng.one_of(&range.predictors))
     } else {
         method
     };
@@ -219,10 +219,10 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
     if noisy {
         text.push_str("window_steps = 10\n");
     }
-    let declared = if dice.with_probability(range.rightly_declared) {
+    let declared = if rng.with_probability(range.rightly_declared) {
         1.0
     } else {
-        dice.between(0.8, 1.2)
+        rng.between(0.8, 1.2)
     };
     let declared_ms = (declared * (delay_ms + lag_ms)).max(0.01);
     let _ = writeln!(text, "delay_ms = {declared_ms}");

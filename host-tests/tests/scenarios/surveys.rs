@@ -11,6 +11,18 @@ use host_tests::data;
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::verdicts::{ActualOutcome, Known, VerdictCounts};
 use host_tests::surveys::{coupled, monitor, verdicts, watch, watched_records};
+use std::process::Command;
+
+#[test]
+fn a_folder_that_cannot_be_written_is_bad_input() {
+    let survey = Command::new(env!("CARGO_BIN_EXE_check-surveys"))
+        .args(["watch", "10", "--write", "Cargo.toml/x"])
+        .output()
+        .expect("check-surveys runs");
+    let said = String::from_utf8_lossy(&survey.stderr);
+    assert_eq!(survey.status.code(), Some(2), "{said}");
+    assert!(said.contains("Cargo.toml"), "{said}");
+}
 
 #[test]
 fn verdicts_over_drawn_rigs_are_never_a_false_yes() {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub struct CoupledSpecimenSpec {
     /// Stiffness, N/m, N/rad; N m/m, N m/rad. Symmetric.
     pub stiffness: [[f64; 2]; 2],
-    /// Viscous damping, N s/m and so on. Symmetric.
+    /// Viscous damping, N s/m, N s/rad; N m s/m, N m s/rad. Symmetric.
     #[serde(default)]
     pub damping: [[f64; 2]; 2],
     /// Mass whose inertia the load cells feel, kg, kg m; kg m, kg m^2. Symmetric.

@@ -42,17 +42,24 @@ impl Correction {
     /// Checks that its numbers are finite and in order.
     pub(crate) fn check(&self, channel: &str) -> Result<(), Refusal> {
         let r = &self.range;
-        let ends = [r.x_mm, r.v_mm_per_s];
-        let ordered = ends
-            .iter()
-            .all(|[low, high]| low.is_finite() && high.is_finite() && low < high);
-        let finite = self.strengths.iter().all(|w| w.is_finite());
-        if ordered && finite && r.seconds > 0.0 {
-            return Ok(());
+        let refused = |key: &str, value: &dyn std::fmt::Debug, accepted: &str| {
+            Err(Refusal::new(format!(
+                "{channel}.remainder.{key} = {value:?} is refused: accepted are {accepted}"
+            )))
+        };
+        for (name, ends) in [("range.x_mm", r.x_mm), ("range.v_mm_per_s", r.v_mm_per_s)] {
+            let [low, high] = ends;
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return refused(name, &ends, "two finite numbers, the first the smaller");
+            }
         }
-        Err(Refusal::new(format!(
-            "{channel}.remainder is refused: accepted are finite strengths and ranges whose lower end is below the upper"
-        )))
+        if r.seconds.is_nan() || r.seconds <= 0.0 {
+            return refused("range.seconds", &r.seconds, "numbers above 0");
+        }
+        match self.strengths.iter().find(|w| !w.is_finite()) {
+            Some(wrong) => refused("strengths", wrong, "finite numbers"),
+            None => Ok(()),
+        }
     }
 
     /// Its contribution to the response to a record.
