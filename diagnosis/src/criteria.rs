@@ -33,8 +33,6 @@ pub const MOST_SEARCHED: usize = 16_000;
 
 /// Yield below this fraction of half the range: the elastic part is a contact's give, so the element is friction.
 pub const FRICTION_YIELD: f64 = 0.04;
-/// The same for friction that falls with speed.
-pub const STRIBECK_YIELD: f64 = 0.06;
 /// Exponents of speed: below the first friction, below the second viscous, above it quadratic.
 pub const EXPONENTS: [f64; 2] = [0.25, 1.25];
 /// Exponent of friction in series with a spring below which it is a damper: 1 is Maxwell's, its reciprocal is the

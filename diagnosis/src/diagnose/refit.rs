@@ -38,14 +38,6 @@ fn errors(train: &Problem, test: &Problem) -> Errors {
 
 /// Sets the probability of each name of an answer.
 pub fn state_probabilities(answer: &mut ChannelAnswer) {
-    let names = answer.effects.iter().map(|e| e.name);
-    let names: Vec<_> = names.chain(answer.alternatives.iter().copied()).collect();
-    if answer.verdict == Verdict::Ambiguous && answer.members.is_empty() {
-        // They explain the data equally well.
-        let probability = 1.0 / names.len() as f64;
-        let member = |name| Member { name, probability };
-        answer.members = names.into_iter().map(member).collect();
-    }
     for effect in &mut answer.effects {
         let member = answer.members.iter().find(|m| m.name == effect.name);
         let alone = 1.0 - effect.q.unwrap_or(LEAST_SURE);

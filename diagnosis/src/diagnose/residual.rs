@@ -6,6 +6,7 @@ use crate::diagnose::expected_error::next_error;
 use crate::diagnose::remainder::{
     Moves, anatomy, clock, correction, is_in, lines, rms_with, tones,
 };
+use crate::laws::specimen::figures::SLIDING;
 use crate::model::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::numbers::coherence::linear_share;
 use crate::numbers::signals::{difference, mean, rms};
@@ -85,9 +86,8 @@ impl ChannelDiagnosis<'_> {
             .effects
             .iter()
             .filter(|e| e.family == Family::Friction);
-        let own = ["force_n", "force_at_rest_n"];
         let forces = friction.flat_map(|e| e.parameters.iter());
-        let forces = forces.filter(|p| own.contains(&p.name.as_str()));
+        let forces = forces.filter(|p| p.name == SLIDING);
         let force = forces.map(|p| p.value.abs()).fold(0.0, f64::max);
         let whole: usize = self.test.iter().map(|r| r.time_s.len()).sum();
         let moving: usize = self.test.iter().map(|r| rest::moving(r).len()).sum();

@@ -85,12 +85,6 @@ impl FoundEffect {
         let own = self.parameters.iter().find(|p| p.name == name);
         own.map(|p| p.value)
     }
-
-    /// Whether its strength, the first of its parameters, is told from nothing at all.
-    pub fn is_told(&self) -> bool {
-        let strength = self.parameters.first().map(|p| p.ci90);
-        strength.is_none_or(|[low, high]| low > 0.0 || high < 0.0)
-    }
 }
 
 /// A member of a set of effects that explain the data equally well.

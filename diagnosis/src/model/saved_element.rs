@@ -40,32 +40,26 @@ const fn enabled() -> bool {
 impl SavedElement {
     /// The places of its shapes that a fit moves.
     pub(crate) fn free_shapes(&self) -> Vec<usize> {
-        let element = Element {
+        self.element().movable().iter().map(|m| m.0).collect()
+    }
+
+    const fn element(&self) -> Element {
+        Element {
             law: self.law,
             shape: self.shape,
-        };
-        element.movable().iter().map(|m| m.0).collect()
+        }
     }
 
     /// Its force where it slides, N, and the way in which that builds up, mm; `None` for what does not slide at one force.
     pub fn sliding(&self) -> Option<[f64; 2]> {
-        let [give, second, load, _] = self.shape;
-        let (level, way) = match self.law {
-            Law::Slider | Law::Bristles => (1.0, give),
-            // Five of them: at six tenths of the largest give most of the force is there.
-            Law::Distributed => (1.0, 0.6 * give),
-            Law::BoucWen if load > 0.0 => {
-                let level = load.powf(-1.0 / second);
-                (level, level * give)
-            }
-            // At the top speed that it was found at.
-            Law::InSeries => {
-                let level = (self.reference_mm_per_s / second).powf(1.0 / load);
-                (level, level * give)
-            }
-            _ => return None,
+        let element = self.element();
+        let level = element.level(self.reference_mm_per_s);
+        let way = match self.law {
+            // The part in series gives way at this force.
+            Law::InSeries => level * self.shape[0],
+            _ => element.yields_at(),
         };
-        Some([self.strength * level, way])
+        (self.law.slides() && level > 0.0).then_some([self.strength * level, way])
     }
 
     /// Whether its numbers can be what they stand for.
@@ -125,11 +119,7 @@ impl SavedElement {
             v: self.reference_mm_per_s,
             ..MotionScales::default()
         };
-        let element = Element {
-            law: self.law,
-            shape: self.shape,
-        };
-        let mut force = element.force(track, &sizes);
+        let mut force = self.element().force(track, &sizes);
         force.iter_mut().for_each(|f| *f *= self.strength);
         force
     }

@@ -7,7 +7,7 @@ use crate::numbers::signals::{
     Scales, Signals, Transfer, add_columns, add_scaled, derivative, difference, lagged, peak,
 };
 use crate::prepare::noise::hum::without_hum;
-use crate::prepare::segment::{Segment, corners, settling};
+use crate::prepare::segment::{Segment, settling};
 use crate::record::recording::Recording;
 use crate::record::spectrum;
 use crate::record::travel;
@@ -62,12 +62,6 @@ fn segment(
             )
         }
     };
-    // Only damping and mass respond to a corner more than the reading shows it.
-    let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
-    let corners = match &motion {
-        Some(m) if feels && motion_mm.is_some() => corners(&m.a),
-        _ => Vec::new(),
-    };
     let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
     let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
     Some(Segment {
@@ -85,7 +79,6 @@ fn segment(
             command,
         },
         target,
-        corners,
         unmeasured: r.unmeasured().iter().map(|i| lead + i).collect(),
         lead,
         from: lead + settling(base, r, lead),

@@ -15,8 +15,6 @@ pub enum Law {
     Slider,
     /// Bristles: friction that builds up smoothly [yield displacement mm].
     Bristles,
-    /// A slider whose force falls with speed [yield displacement mm, speed mm/s].
-    Stribeck,
     /// Bouc-Wen [yield displacement mm, exponent, load, unload].
     BoucWen,
     /// Five sliders [largest yield displacement mm].
@@ -53,8 +51,6 @@ pub enum Law {
     SliderAlong,
     /// `|v|`.
     SizeOfSpeed,
-    /// Settling in time [time constant s].
-    Settling,
     /// A slider whose force is worn away [yield displacement mm, travel mm].
     Worn,
     /// A slider that is weak around a place [yield displacement mm, width mm, place mm].
@@ -77,11 +73,8 @@ pub struct Element {
 impl Law {
     /// True if it first gives and then slides, with the same force anywhere and at any time.
     pub fn slides(self) -> bool {
-        use Law::{BoucWen, Bristles, Distributed, InSeries, Slider, Stribeck};
-        matches!(
-            self,
-            Slider | Bristles | Stribeck | BoucWen | Distributed | InSeries
-        )
+        use Law::{BoucWen, Bristles, Distributed, InSeries, Slider};
+        matches!(self, Slider | Bristles | BoucWen | Distributed | InSeries)
     }
 }
 
@@ -106,7 +99,6 @@ impl Element {
         match self.law {
             Law::Slider => slider(x, p),
             Law::Bristles => laws::bristles(x, p),
-            Law::Stribeck => times(slider(x, p), &t.v, &|v| (-(v / q).powi(2)).exp()),
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
             Law::Distributed => laws::distributed(x, p),
             Law::InSeries => laws::in_series(x, h, p, q, r),
@@ -146,7 +138,6 @@ impl Element {
             Law::SliderAway => times(slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
             Law::SliderAlong => times(slider(x, p), x, &|x| (x - q) / sizes.x),
             Law::SizeOfSpeed => of_v(&f64::abs),
-            Law::Settling => settling(t, p),
             Law::Worn => times(slider(x, p), &travels(t), &|w| (-w / q).exp()),
             Law::SlippingJoint => {
                 let slips = slipped(x, p, q);
@@ -164,7 +155,6 @@ impl Element {
             | Law::Away
             | Law::Square
             | Law::SizeOfSpeed
-            | Law::Settling
             | Law::Warming
             | Law::SliderAlong => Bound::FREE,
             // Softening beyond a gap is a spring that gives way; a damper pushes.

@@ -10,8 +10,6 @@ use plant::{Channel, Effect};
 pub const PRESLIDING: &str = "presliding_mm";
 /// The force of sliding friction.
 pub const SLIDING: &str = "force_n";
-/// The force of friction that is present at rest but not while sliding.
-pub const AT_REST: &str = "force_at_rest_n";
 /// Increase of friction with speed.
 pub const GAINED: &str = "force_gained_n";
 /// The speed above which a force hardly grows any further.
@@ -47,7 +45,7 @@ pub fn figures(
                 ("yield_mm", "mm", p),
                 share(own),
             ];
-            all.extend(beside(&part, &first));
+            all.extend(beside(&part, &first, fit.sizes.v));
             all
         }
         Effect::BoucWenHysteresis if first.law == Law::BoucWen => {
@@ -61,7 +59,7 @@ pub fn figures(
                 ("exponent", "", q),
                 share(own),
             ];
-            all.extend(beside(&part, &first));
+            all.extend(beside(&part, &first, fit.sizes.v));
             all
         }
         Effect::BoucWenHysteresis if first.law == Law::Recentring => by_law(&first, strength, fit),
@@ -118,14 +116,12 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
             ("yield_mm", "mm", p),
             ("back_at_mm", "mm", q * p),
         ],
-        Law::Settling => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
         Law::Warming => vec![
             ("stiffness_change_n_per_mm", "N/mm", strength),
             ("time_constant_s", "s", p),
         ],
         Law::Slider
         | Law::Bristles
-        | Law::Stribeck
         | Law::BoucWen
         | Law::Distributed
         | Law::InSeries
@@ -184,19 +180,9 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
     }
 }
 
-/// Force of an element that slides at a constant force, N.
-fn level((element, strength): &(Element, f64)) -> f64 {
-    let [_, n, load, _] = element.shape;
-    match element.law {
-        Law::BoucWen if load > 0.0 => strength * load.powf(-1.0 / n),
-        // Their force grows with travel, or acts at one place only: they have no constant force.
-        Law::BoucWen | Law::SliderAway | Law::SliderAlong => 0.0,
-        _ => *strength,
-    }
-}
-
 /// Sliding force of the elements beside the first, and the yield displacement of the strongest of these.
-fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
+fn beside(part: &[(Element, f64)], first: &Element, v: f64) -> Vec<NamedValue> {
+    let level = |(e, strength): &(Element, f64)| strength * e.level(v);
     let others = || part.iter().filter(|(e, _)| e != first);
     let force: f64 = others().map(level).sum();
     let strongest = others().max_by(|a, b| level(a).total_cmp(&level(b)));
@@ -209,7 +195,7 @@ fn beside(part: &[(Element, f64)], first: &Element) -> Vec<NamedValue> {
 
 /// Yielding elements: their total force, the yield displacement of the first, and what changes their force.
 fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<NamedValue> {
-    let force: f64 = part.iter().map(level).sum();
+    let force: f64 = part.iter().map(|(e, f)| f * e.level(fit.sizes.v)).sum();
     let mut all = Vec::new();
     if force != 0.0 {
         all.push(("force_n", "N", force));
@@ -248,34 +234,14 @@ fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     all
 }
 
-/// Friction: its force at speed, its increase at rest, and its give before it slides.
+/// Friction: its force at speed, and its give before it slides.
 fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
-    let steady = |(e, f): &(Element, f64)| match e.law {
-        Law::Stribeck | Law::SliderAlong | Law::SliderAway => 0.0,
-        Law::PowerOfSpeed => *f,
-        Law::InSeries => f * (fit.sizes.v / e.shape[1]).powf(1.0 / e.shape[2]).min(1.0),
-        _ => *f,
-    };
-    let force: f64 = part.iter().map(steady).sum();
-    let falling: Vec<&(Element, f64)> = part
-        .iter()
-        .filter(|(e, _)| e.law == Law::Stribeck)
-        .collect();
-    let extra: f64 = falling.iter().map(|(_, f)| f).sum();
+    let force: f64 = part.iter().map(|(e, f)| f * e.level(fit.sizes.v)).sum();
     let mut all = Vec::new();
-    // The sliding force, everywhere; a force at rest only is reported as such.
     if force > 0.0 {
         all.push((SLIDING, "N", force));
-    } else if extra > 0.0 {
-        all.push((AT_REST, "N", extra));
     }
     all.extend(changes(part, fit));
-    if let Some((e, _)) = falling.first() {
-        if force > 0.0 {
-            all.push(("rest_ratio", "", 1.0 + extra / force));
-        }
-        all.push(("stribeck_mm_per_s", "mm/s", e.shape[1]));
-    }
     let gives = |e: &Element| e.law.slides() && e.yields_at().is_finite();
     if let Some((e, _)) = part.iter().find(|(e, _)| gives(e)) {
         all.push((PRESLIDING, "mm", e.yields_at()));
@@ -313,6 +279,7 @@ fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec
 mod tests {
     use super::*;
     use crate::laws::specimen::track::MotionScales;
+    use crate::model::saved_element::SavedElement;
 
     fn fit(elements: Vec<(Element, f64)>) -> SpecimenFit {
         SpecimenFit {
@@ -335,12 +302,45 @@ mod tests {
     fn friction_is_read_off_all_of_its_elements() {
         let both = fit(vec![
             (Element::new(Law::Slider, [0.02]), 20.0),
-            (Element::new(Law::Stribeck, [0.02, 5.0]), 10.0),
+            (Element::new(Law::Saturating, [5.0]), 10.0),
         ]);
-        let all = figures(Effect::StribeckFriction, &[0, 1], &both, &[0.0; DECLARED]);
-        assert_eq!(all[0], ("force_n", "N", 20.0));
-        assert_eq!(all[1], ("rest_ratio", "", 1.5));
-        assert_eq!(all[3], ("presliding_mm", "mm", 0.02));
+        let all = figures(Effect::CoulombFriction, &[0, 1], &both, &[0.0; DECLARED]);
+        let wanted = [
+            ("force_n", "N", 30.0),
+            ("presliding_mm", "mm", 0.02),
+            ("force_gained_n", "N", 10.0),
+            ("knee_mm_per_s", "mm/s", 5.0),
+        ];
+        assert_eq!(all, wanted);
+    }
+
+    /// What the figure says is what the loop takes out of the force.
+    #[test]
+    fn the_force_of_friction_is_the_same_in_the_figure_and_for_the_loop() {
+        for element in [
+            Element::new(Law::Slider, [0.02]),
+            Element::new(Law::Bristles, [0.02]),
+            Element::new(Law::Distributed, [0.02]),
+            Element::new(Law::BoucWen, [0.02, 1.0, 4.0, 4.0]),
+            // Creep below and above the top speed of the motion.
+            Element::new(Law::InSeries, [0.02, 5.0, 8.0]),
+            Element::new(Law::InSeries, [0.02, 80.0, 8.0]),
+        ] {
+            let one = fit(vec![(element, 100.0)]);
+            let all = figures(Effect::CoulombFriction, &[0], &one, &[0.0; DECLARED]);
+            let saved = SavedElement {
+                name: Effect::CoulombFriction,
+                law: element.law,
+                strength: 100.0,
+                shape: element.shape,
+                reference_mm: one.sizes.x,
+                reference_mm_per_s: one.sizes.v,
+                cutoff_hz: None,
+                enabled: true,
+            };
+            let taken_out = saved.sliding().expect("it slides");
+            assert_eq!((all[0].0, all[0].2), (SLIDING, taken_out[0]), "{element:?}");
+        }
     }
 
     #[test]

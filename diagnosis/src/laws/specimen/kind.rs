@@ -4,7 +4,6 @@ use super::element::{Element, Law};
 use super::track::MotionScales;
 use crate::criteria::{
     BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, RELAXES,
-    STRIBECK_YIELD,
 };
 use plant::Effect;
 
@@ -12,10 +11,8 @@ impl Element {
     /// Its name, from its shape. `strength` tells a stiffening spring from a softening one.
     pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
         let [p, q, ..] = self.shape;
-        let yield_at = p / sizes.x;
         match self.law {
             Law::InSeries if self.relaxes() => Effect::MaxwellDamper,
-            Law::Stribeck if yield_at < STRIBECK_YIELD => Effect::StribeckFriction,
             Law::Slider
             | Law::Bristles
             | Law::InSeries
@@ -27,9 +24,7 @@ impl Element {
             {
                 Effect::CoulombFriction
             }
-            Law::Slider | Law::SliderAway | Law::SliderAlong | Law::Stribeck => {
-                Effect::BilinearHysteresis
-            }
+            Law::Slider | Law::SliderAway | Law::SliderAlong => Effect::BilinearHysteresis,
             Law::Bristles
             | Law::BoucWen
             | Law::Distributed
@@ -52,7 +47,6 @@ impl Element {
             Law::SlippingJoint => Effect::SlipGap,
             Law::Lessened | Law::Fatigued => Effect::Degradation,
             Law::Warming => Effect::TemperatureGain,
-            Law::Settling => Effect::Drift,
         }
     }
 
@@ -87,6 +81,18 @@ impl Element {
     /// True if the part in series with the spring is more a dashpot than friction.
     fn relaxes(&self) -> bool {
         self.law == Law::InSeries && self.shape[2] < RELAXES
+    }
+
+    /// Its force where it slides, at strength 1; of one that creeps, at `v` mm/s or its law's own speed if that is less.
+    pub fn level(&self, v: f64) -> f64 {
+        let [_, q, r, _] = self.shape;
+        match self.law {
+            Law::BoucWen if r > 0.0 => r.powf(-1.0 / q),
+            // Their force grows with travel, or acts at one place only: they have no constant force.
+            Law::BoucWen | Law::SliderAway | Law::SliderAlong => 0.0,
+            Law::InSeries => (v / q).powf(1.0 / r).min(1.0),
+            _ => 1.0,
+        }
     }
 
     /// Its yield displacement, mm.

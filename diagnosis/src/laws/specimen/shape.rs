@@ -32,9 +32,7 @@ impl Element {
             | Law::Relaxing
             | Law::Lost
             | Law::Lessened
-            | Law::Fatigued
-            | Law::Settling => &[(0, Log)],
-            Law::Stribeck => &[(0, Log), (1, Log)],
+            | Law::Fatigued => &[(0, Log)],
             // If it has rates of its own, the give is the unit of its force.
             Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
             Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
@@ -61,7 +59,6 @@ impl Element {
             Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
             // With a longer give it would be Bouc-Wen's.
             Law::Bristles => (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p),
-            Law::Stribeck => (1e-4 * x..=0.5 * x).contains(&p) && q > 1e-3 * sizes.v && q < sizes.v,
             Law::BoucWen => {
                 let grows = r * (MOST_GROWTH * x / p).powf(q);
                 (2e-3 * x..=3.0 * x).contains(&p)
@@ -84,7 +81,7 @@ impl Element {
             Law::Lessened => (0.1..=4.0).contains(&p),
             Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
             Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
-            Law::Settling | Law::Warming => {
+            Law::Warming => {
                 p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds && q < MOST_OWN_HEAT
             }
             Law::Fatigued => p > 0.02 * sizes.travel && p < 20.0 * sizes.travel,
