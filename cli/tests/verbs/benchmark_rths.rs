@@ -63,7 +63,7 @@ fn official_rules_on_the_problems_own_record() {
 }
 
 /// 30 s of decaying noise, always the same, as a ground motion in g.
-fn earthquake(folder: &Path) -> PathBuf {
+pub fn earthquake(folder: &Path) -> PathBuf {
     let mut text = String::from("time_s,acc_g\n");
     let mut state = 1_u64;
     for i in 0..1500 {

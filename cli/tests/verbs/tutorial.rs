@@ -3,6 +3,8 @@
 
 use crate::common::root;
 use crate::documents::blocks;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
@@ -130,6 +132,103 @@ fn the_same_on_the_published_record() {
     for step in &steps {
         run(step, folder.path(), &data);
     }
+}
+
+/// A chirp from 0.2 to 8 Hz in 60 s of a ram that is 6.3 ms late and lags by 18.7 ms, in the published file's columns.
+fn drawn_chirp() -> String {
+    let mut text = String::from("time_s,command_mm,displacement_mm,force_n\n");
+    let size = |t: f64| if (0.0..60.0).contains(&t) { 8.0 } else { 0.0 };
+    let command = |t: f64| size(t) * (TAU * (0.2 * t + 0.065 * t * t)).sin();
+    let (mut moved, mut state) = (0.0, 1_u64);
+    for i in 0..61_000 {
+        let t = f64::from(i) * 1e-3;
+        for k in 0..8 {
+            moved += 1.25e-4 / 18.7e-3 * (command(t + f64::from(k) * 1.25e-4 - 6.3e-3) - moved);
+        }
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        let noise = 0.02 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
+        let t = t + 1e-3;
+        let _ = writeln!(text, "{t:.3},{:.5},{:.5},0", command(t), moved + noise);
+    }
+    text
+}
+
+/// The decaying noise of the benchmark's tests as a file of PEER's.
+fn drawn_at2(folder: &Path) -> String {
+    let csv = std::fs::read_to_string(crate::benchmark_rths::earthquake(folder)).unwrap();
+    let points: Vec<&str> = csv
+        .lines()
+        .skip(1)
+        .map(|l| l.split_once(',').unwrap().1)
+        .collect();
+    let head =
+        "PEER NGA STRONG MOTION DATABASE RECORD\ndrawn\nACCELERATION TIME SERIES IN UNITS OF G\n";
+    let rows: Vec<String> = points.chunks(5).map(|row| row.join("  ")).collect();
+    format!(
+        "{head}NPTS= {}, DT= .0200 SEC\n{}\n",
+        points.len(),
+        rows.join("\n")
+    )
+}
+
+/// The published section's commands on a chirp and an earthquake drawn here: what it shows holds without its files.
+#[test]
+fn the_same_on_a_drawn_record() {
+    let page = page();
+    let (_, page) = page
+        .split_once("## The same on a published record")
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    let [measured, motions] = ["measured", "ground-motion"].map(|name| data.join(name));
+    for own in [&measured, &motions] {
+        std::fs::create_dir_all(own).unwrap();
+    }
+    std::fs::write(measured.join("utfsm_chirp_0A.csv"), drawn_chirp()).unwrap();
+    let at2 = drawn_at2(folder.path());
+    std::fs::write(motions.join("RSN1106_KOBE_KJM000.AT2"), at2).unwrap();
+    let told: Vec<String> = steps(page)
+        .iter()
+        .map(|step| {
+            let (status, text) = outcome(step, folder.path(), &data);
+            // The example's method may be called wrong.
+            assert!(matches!(status, Some(0 | 1)), "{}: {text}", step.command);
+            println!("{text}");
+            text
+        })
+        .collect();
+    let [_, identified, after, before] = &told[..] else {
+        panic!("{} commands", told.len());
+    };
+    let number = |text: &str, before: &str| -> f64 {
+        let found = text.split_once(before).map(|(_, rest)| rest);
+        let word = found.and_then(|rest| rest.split_whitespace().next());
+        word.and_then(|w| w.parse().ok())
+            .unwrap_or_else(|| panic!("{before}: {text}"))
+    };
+    for (name, drawn, within) in [
+        ("gain", 1.0, 0.002),
+        ("delay", 6.3, 0.2),
+        ("lag", 18.7, 0.2),
+    ] {
+        let value = number(identified, name);
+        assert!((value - drawn).abs() < within, "{identified}");
+    }
+    assert!(number(identified, "The model leaves") < 1.0, "{identified}");
+    let error = |text: &str| {
+        let (rest, _) = text
+            .split_once(" % rms")
+            .unwrap_or_else(|| panic!("{text}"));
+        rest.split_whitespace()
+            .last()
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
+    let [after, before] = [after, before].map(|text| error(text));
+    assert!(after < 0.1 && before > 50.0 * after, "{before} {after}");
 }
 
 /// The table of the two rams shows figures that the commands above and below it print.

@@ -23,13 +23,11 @@ fn part(folder: &Path, part: &str) -> Vec<Recording> {
     RecordFiles::default().parts(&[part]).unwrap()
 }
 
+/// A declared model, a diagnosis with it, and its training and held-out records.
+type Found = (Model, Diagnosis, [Vec<Recording>; 2]);
+
 /// The diagnosis of two spans of a file, without their force if `with_force` is false.
-fn found(
-    folder: &Path,
-    declared: &str,
-    spans: [&str; 2],
-    with_force: bool,
-) -> (Model, Diagnosis, [Vec<Recording>; 2]) {
+pub fn found(folder: &Path, declared: &str, spans: [&str; 2], with_force: bool) -> Found {
     let declared = model::load(&folder.join(declared)).unwrap();
     let sets = spans.map(|span| {
         let mut records = part(folder, span);
@@ -48,12 +46,10 @@ fn found(
     (declared, diagnosis, sets)
 }
 
-#[test]
-fn the_pressure_of_a_shake_table_shows_friction_and_no_asymmetry() {
-    let Some(folder) = folder() else { return };
-    let spans = ["table_small.csv@0..45", "table_small.csv@45..71.9"];
-    let (declared, diagnosis, sets) = found(&folder, "table.toml", spans, false);
-    let column = format!("{}:force_1", folder.join("table_small.csv").display());
+/// What the column `force_1` of a file says of the one name, and the share of it that each name explains.
+pub fn testimony(folder: &Path, file: &str, found: &Found) -> (Testimony, impl Fn(Effect) -> f64) {
+    let (declared, diagnosis, sets) = found;
+    let column = format!("{}:force_1", folder.join(file).display());
     let column: WitnessColumn = column.parse().unwrap();
     let read = column.read(&Columns::default()).unwrap();
     let witnessed = [0, 1].map(|set: usize| -> Vec<Witnessed> {
@@ -63,31 +59,38 @@ fn the_pressure_of_a_shake_table_shows_friction_and_no_asymmetry() {
         };
         sets[set].iter().map(beside).collect()
     });
-    let all = testimonies(&declared, &diagnosis, &sets[0], &witnessed);
-    let [
-        Testimony {
-            name,
-            says,
-            share,
-            others,
-            ..
-        },
-    ] = &all[..]
-    else {
+    let all = testimonies(declared, diagnosis, &sets[0], &witnessed);
+    let [only] = &all[..] else {
         panic!("{all:?}");
     };
-    println!("{name} {says:?} {share:.2} {others:?}");
-    let of = |wanted: Effect| {
-        let other = others.iter().find(|o| o.name == wanted).map(|o| o.share);
-        if *name == wanted {
-            *share
+    let said = only.clone();
+    println!(
+        "{} {:?} {:.2} {:?}",
+        said.name, said.says, said.share, said.others
+    );
+    let of = move |wanted: Effect| {
+        let other = said.others.iter().find(|o| o.name == wanted);
+        if said.name == wanted {
+            said.share
         } else {
-            other.unwrap_or(0.0)
+            other.map_or(0.0, |o| o.share)
         }
     };
+    (only.clone(), of)
+}
+
+#[test]
+fn the_pressure_of_a_shake_table_shows_friction_and_no_asymmetry() {
+    let Some(folder) = folder() else { return };
+    let spans = ["table_small.csv@0..45", "table_small.csv@45..71.9"];
+    let found = found(&folder, "table.toml", spans, false);
+    let (heard, of) = testimony(&folder, "table_small.csv", &found);
     // The motion is held back at each reversal: by friction, or by play, which this motion cannot distinguish.
-    assert_eq!(*says, Says::For);
-    assert!(matches!(name, Effect::CoulombFriction | Effect::Backlash));
+    assert_eq!(heard.says, Says::For);
+    assert!(matches!(
+        heard.name,
+        Effect::CoulombFriction | Effect::Backlash
+    ));
     assert!(of(Effect::CoulombFriction) > 0.6);
     assert!(of(Effect::AsymmetricActuator) < 0.15);
 }
