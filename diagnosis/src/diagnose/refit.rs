@@ -4,7 +4,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::criteria::{LEAST_SURE, REACH};
 use crate::model::Model;
-use crate::model::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
+use crate::model::answer::{ChannelAnswer, Errors, Refitted, Verdict};
 use crate::model::interval;
 use crate::model::interval::NINETY;
 use crate::model::saved_element::SavedElement;
