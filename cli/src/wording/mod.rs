@@ -82,9 +82,7 @@ fn disturbed(a: &ChannelAnswer) -> Option<String> {
 pub fn sureness(a: &ChannelAnswer) -> Option<String> {
     let open = |e: &&FoundEffect| a.members.iter().any(|m| m.name == e.name);
     let sure = a.effects.iter().filter(|e| e.q.is_some() && !open(e));
-    let sure: Vec<Member> = sure
-        .filter_map(|e| Some((e.name, e.p?)).map(member))
-        .collect();
+    let sure: Vec<Member> = sure.filter_map(|e| Some(member((e.name, e.p?)))).collect();
     let said = match (&sure[..], &a.members[..]) {
         ([], []) => return None,
         ([one], []) => format!(
