@@ -4,17 +4,22 @@
 
 mod common;
 
-use common::{command, is_as_its_schema_says, json, narrow, refused, root};
+use common::{command, is_as_its_schema_says, json, narrow, outerloop, refused, root};
+use link::Telemetry;
+use link::frame::{Decoder, FrameKind};
 use outerloop_cli::board::desk::MODEL_CYCLES;
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::{Image, Port};
+use outerloop_core::Mode;
 use serde_json::Value;
-use serialport::{SerialPort, TTYPort};
+use serialport::{ClearBuffer, SerialPort, TTYPort};
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Rows beside those of the methods: two rates, the saves, the whole test, the calibration, eight drills and the reset pin.
 const OTHER_ROWS: usize = 14;
@@ -48,6 +53,46 @@ fn the_pages_lines_run_one_test_at_a_serial_port() {
     for (image, block) in [(Image::Internal, 0), (Image::External, 1)] {
         as_the_page_says(image, block);
     }
+}
+
+/// A program that is gone without a word, as docs/commissioning.md has it tried: fault 12 after half a second, and PERMIT low.
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn the_pages_lines_on_a_program_that_is_killed_in_a_slow_sine_are_so() {
+    let folder = tempfile::tempdir().unwrap();
+    write_calibration(folder.path(), 0);
+    at_a_port(Image::Internal, |port, board| {
+        let calibrate = "board calibrate --port /dev/ttyACM0 --file four-wires.toml";
+        follow(calibrate, port, folder.path());
+        let signal = "--signal sine --amplitude-mm 1 --from-hz 1 --seconds 60 --out sine.csv";
+        let line = format!("board commission examples/desk.toml --port {port} {signal}");
+        let mut sine = in_folder(&line, port, folder.path());
+        sine.args(["--yes", "--piston-at", "none"]);
+        let sine = sine.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        let mut sine = Killed(sine.unwrap());
+        let began = board.until(Mode::Commissioning, || {});
+        while board.now().1 < began + Duration::from_secs(1) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(board.now().0, Some(Mode::Commissioning));
+        let killed = board.now().1;
+        sine.0.kill().unwrap();
+        sine.0.wait().unwrap();
+        // Nothing is sent from here on, and what comes is thrown away.
+        let line = serialport::new(port, link::BAUD).open().unwrap();
+        let tripped = board.until(Mode::Tripped, || line.clear(ClearBuffer::Input).unwrap());
+        drop(line);
+        let after_ms = (tripped - killed).as_millis();
+        println!("tripped {after_ms} ms after the program was killed");
+        // Its last message was up to a tenth of a second old. Telemetry and the killing take some milliseconds.
+        assert!((380..700).contains(&after_ms), "{after_ms} ms");
+        let status = json(&["board", "status", "--port", port, "--json"]);
+        assert_eq!(status["trip"]["fault"], 12, "{status}");
+        assert_eq!(status["permit"], false, "{status}");
+        let said = outerloop(&["board", "status", "--port", port]).stdout;
+        let said = String::from_utf8(said).unwrap();
+        assert!(said.contains("tripped on link_lost"), "{said}");
+    });
 }
 
 #[test]
@@ -126,32 +171,20 @@ fn goes_through(
 /// One test by itself, by the page's own lines and its block for `four-wires.toml`, at a serial port with the emulated
 /// board behind it.
 fn as_the_page_says(image: Image, block: usize) {
-    let page = std::fs::read_to_string(root().join("docs/desk.md")).unwrap();
-    let (_, by_itself) = page.split_once("## One test by itself").unwrap();
-    let copied = by_itself.split("```toml\n").nth(1 + block).unwrap();
-    let (copied, _) = copied.split_once("```").unwrap();
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("four-wires.toml"), copied).unwrap();
+    let by_itself = write_calibration(folder.path(), block);
     let lines = by_itself
         .lines()
         .filter_map(|l| l.strip_prefix("    outerloop "));
     let lines: Vec<&str> = lines.take(2).collect();
     assert!(lines[0].starts_with("board calibrate") && lines[1].starts_with("run"));
 
-    let (mut outside, inside) = TTYPort::pair().unwrap();
-    let port = inside.name().unwrap();
-    // Its raw settings last while it is open here; `inside` is closed, since the tool needs exclusive access.
-    let _open = File::open(&port).unwrap();
-    drop(inside);
-    let ended = AtomicBool::new(false);
-    std::thread::scope(|scope| {
-        let board = scope.spawn(|| be_the_board(image, &mut outside, &ended));
-        let ends = Ends(&ended);
+    at_a_port(image, |port, _| {
         for line in lines {
-            follow(line, &port, folder.path());
+            follow(line, port, folder.path());
         }
         for order in ["identify", "status"] {
-            let (status, text) = narrow::told(command(&["board", order, "--port", &port]));
+            let (status, text) = narrow::told(command(&["board", order, "--port", port]));
             assert_eq!(status, Some(0), "{text}");
             narrow::check(order, &text);
         }
@@ -160,11 +193,9 @@ fn as_the_page_says(image: Image, block: usize) {
             ("status", "mode"),
             ("clear", "provenance"),
         ] {
-            let answer = json(&["board", order, "--port", &port, "--json"]);
+            let answer = json(&["board", order, "--port", port, "--json"]);
             is_as_its_schema_says(&format!("board-{order}"), &answer, without);
         }
-        drop(ends);
-        board.join().unwrap();
     });
     let written = folder.path().join("four-wires/summary.json");
     let summary: Value = serde_json::from_str(&std::fs::read_to_string(written).unwrap()).unwrap();
@@ -178,6 +209,75 @@ fn as_the_page_says(image: Image, block: usize) {
     assert!(own["steps_received"].as_u64().unwrap() > 1000, "{own}");
 }
 
+/// Writes the page's block for `four-wires.toml` into this folder; gives the page's section.
+fn write_calibration(folder: &Path, block: usize) -> String {
+    let page = std::fs::read_to_string(root().join("docs/desk.md")).unwrap();
+    let (_, by_itself) = page.split_once("## One test by itself").unwrap();
+    let copied = by_itself.split("```toml\n").nth(1 + block).unwrap();
+    let (copied, _) = copied.split_once("```").unwrap();
+    std::fs::write(folder.join("four-wires.toml"), copied).unwrap();
+    by_itself.to_owned()
+}
+
+/// Acts on the emulated board at a serial port.
+fn at_a_port(image: Image, act: impl FnOnce(&str, &Seen)) {
+    let (mut outside, inside) = TTYPort::pair().unwrap();
+    let port = inside.name().unwrap();
+    // Its raw settings last while it is open here; `inside` is closed, since the tool needs exclusive access.
+    let _open = File::open(&port).unwrap();
+    drop(inside);
+    let seen = Seen::default();
+    std::thread::scope(|scope| {
+        let board = scope.spawn(|| be_the_board(image, &mut outside, &seen));
+        let ends = Ends(&seen.ended);
+        act(&port, &seen);
+        drop(ends);
+        board.join().unwrap();
+    });
+}
+
+/// What the board shows, whoever is at its port.
+#[derive(Default)]
+struct Seen {
+    /// It is switched off.
+    ended: AtomicBool,
+    /// Its mode in the last telemetry, and its time.
+    now: Mutex<(Option<Mode>, Duration)>,
+}
+
+impl Seen {
+    fn now(&self) -> (Option<Mode>, Duration) {
+        *self.now.lock().unwrap()
+    }
+
+    /// Waits for this mode, doing `meanwhile`; gives the board's time then.
+    fn until(&self, mode: Mode, meanwhile: impl Fn()) -> Duration {
+        let began = Instant::now();
+        loop {
+            let (now, at) = self.now();
+            if now == Some(mode) {
+                return at;
+            }
+            assert!(began.elapsed() < LONGEST, "it is {now:?}, not {mode:?}");
+            meanwhile();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// How long a mode may take to come on a busy machine.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// A program that does not outlive its test.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// Ends the board when dropped, even if a line fails.
 struct Ends<'a>(&'a AtomicBool);
 
@@ -187,8 +287,8 @@ impl Drop for Ends<'_> {
     }
 }
 
-/// Runs a line of the page, at this port and in this folder, without questions and with a short test.
-fn follow(line: &str, port: &str, folder: &Path) {
+/// A line of the page, at this port and in this folder.
+fn in_folder(line: &str, port: &str, folder: &Path) -> Command {
     let words = line.split(' ').map(|word| match word {
         "/dev/ttyACM0" => port.to_owned(),
         "examples/desk.toml" => root().join(word).display().to_string(),
@@ -196,10 +296,17 @@ fn follow(line: &str, port: &str, folder: &Path) {
     });
     let words: Vec<String> = words.collect();
     let mut tool = command(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    tool.current_dir(folder);
+    tool
+}
+
+/// Runs it, without questions and with a short test.
+fn follow(line: &str, port: &str, folder: &Path) {
+    let mut tool = in_folder(line, port, folder);
     if line.starts_with("run") {
         tool.args(["--yes", "--piston-at", "none", "--duration", "0.5"]);
     }
-    let output = tool.current_dir(folder).output().unwrap();
+    let output = tool.output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     let refused = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{line}: {said}{refused}");
@@ -208,20 +315,28 @@ fn follow(line: &str, port: &str, folder: &Path) {
 
 /// The emulated board on its desk, by the wall clock, at the other end of a serial port. Unread bytes are lost, as on any
 /// line.
-fn be_the_board(image: Image, port: &mut TTYPort, ended: &AtomicBool) {
+fn be_the_board(image: Image, port: &mut TTYPort, seen: &Seen) {
     let rig = EmulatedRig {
         real_time: true,
         ..EmulatedRig::on_desk(image, None).unwrap()
     };
     let mut board = Emulated::start(&rig).unwrap();
     port.set_timeout(Duration::from_millis(100)).unwrap();
-    let mut bytes = [0; 4096];
-    while !ended.load(Ordering::Relaxed) {
+    let (mut bytes, mut decoder) = ([0; 4096], Decoder::new());
+    while !seen.ended.load(Ordering::Relaxed) {
         if port.bytes_to_read().unwrap() > 0 {
             let count = port.read(&mut bytes).unwrap();
             board.write(&bytes[..count]).unwrap();
         }
         let count = board.read(&mut bytes).unwrap();
+        for byte in &bytes[..count] {
+            let frame = decoder.push(*byte);
+            let telemetry = frame.filter(|f| f.kind == FrameKind::Telemetry);
+            if let Some(told) = telemetry.and_then(|f| Telemetry::decode(f.body)) {
+                let mode = told.steps.last().and_then(|step| step.mode());
+                *seen.now.lock().unwrap() = (mode, board.now());
+            }
+        }
         let _ = port.write_all(&bytes[..count]);
     }
 }

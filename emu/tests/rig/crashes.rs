@@ -12,10 +12,10 @@ use outerloop_core::{Event, Fault, Mode};
 const MS: u64 = 1_000_000;
 
 /// The background looks for a drill ten times a second.
-const NOTICED_NS: u64 = 100 * MS;
+pub(crate) const NOTICED_NS: u64 = 100 * MS;
 
 /// The watchdog's 25 ms at its slowest clock.
-const WATCHDOG_NS: u64 = 50 * MS;
+pub(crate) const WATCHDOG_NS: u64 = 50 * MS;
 
 /// Positions of the stack's end within a frame of the drill, 80 bytes, in steps of eight bytes.
 const PLACES: u32 = 10;
@@ -65,7 +65,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     (course, status)
 }
 
-fn words(status: &Status) -> &CrashReport {
+pub(crate) fn words(status: &Status) -> &CrashReport {
     status.last_crash.as_ref().expect("a crash report")
 }
 

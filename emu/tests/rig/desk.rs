@@ -318,6 +318,11 @@ impl Desk {
     /// Loads and starts a test.
     pub fn start(&mut self) {
         self.load();
+        self.arm_and_start();
+    }
+
+    /// Starts what is loaded, once the rig stands at zero.
+    pub fn arm_and_start(&mut self) {
         self.order(Command::Event(Event::Arm));
         while self.step().mode() != Some(Mode::Armed) {}
         while self.step().command_m != 0.0 {}

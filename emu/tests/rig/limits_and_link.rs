@@ -26,15 +26,12 @@ fn begun_with(
         ..Bench::default()
     };
     let mut desk = configured(bench, change);
-    desk.order(Command::Event(Event::Arm));
-    while desk.step().mode() != Some(Mode::Armed) {}
-    while desk.step().command_m != 0.0 {}
-    desk.order(Command::Event(Event::Start));
+    desk.arm_and_start();
     desk
 }
 
 /// A board with a changed test, after some time in idle.
-fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
+pub(crate) fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
     let mut desk = Desk::with(bench);
     desk.load();
     let mut config = config();
@@ -46,8 +43,8 @@ fn configured(bench: Bench, change: impl Fn(&mut Config)) -> Desk {
     desk
 }
 
-/// The test trips on `reason`; checks what follows. Returns the time from the fault to PERMIT low, ns.
-fn trips(desk: &mut Desk, reason: Fault) -> Option<u64> {
+/// What runs trips on `reason`; checks what follows. Returns the time from the fault to PERMIT low, ns.
+pub(crate) fn trips(desk: &mut Desk, reason: Fault) -> Option<u64> {
     desk.until(Mode::Tripped);
     for _ in 0..100 {
         desk.step();

@@ -6,6 +6,7 @@ use outerloop_cli::board::Image;
 /// The image of these tests.
 const IMAGE: Image = Image::Internal;
 
+mod commissioning;
 mod crashes;
 mod desk;
 mod inputs;

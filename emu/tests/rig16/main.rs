@@ -8,6 +8,8 @@ use outerloop_cli::board::Image;
 const IMAGE: Image = Image::External;
 
 mod bit_flips;
+#[path = "../rig/commissioning.rs"]
+mod commissioning;
 mod converters;
 #[path = "../rig/crashes.rs"]
 mod crashes;
