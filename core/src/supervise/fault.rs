@@ -132,7 +132,7 @@ pub struct Trip {
     pub value: f32,
     /// The limit that it passed.
     pub limit: f32,
-    /// Control step since power-up.
+    /// Control step of its loop. On a board it counts from when the configuration was taken, telemetry from power-up.
     pub tick: u32,
 }
 
