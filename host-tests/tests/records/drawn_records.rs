@@ -3,6 +3,7 @@
 //! the diagnosis: friction is bristles (Dahl), in steps of an eighth of a sample.
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
+use super::next_errors::they_hold;
 use super::other_channels::{found, testimony};
 use diagnosis::{ChannelAnswer, Says, Verdict};
 use host_tests::foresight::{Pair, of_case};
@@ -685,17 +686,6 @@ fn foretold_errors_hold_on_drawn_records() {
         .iter()
         .flat_map(of_case)
         .collect();
-    for p in &pairs {
-        println!(
-            "{}: {:.4?}, {:.4}, {}",
-            p.name,
-            p.foretold,
-            p.came,
-            p.holds()
-        );
-    }
     assert_eq!(pairs.len(), 8);
-    let held = pairs.iter().filter(|p| p.holds());
-    let narrow = pairs.iter().filter(|p| p.foretold[1] < 4.0 * p.foretold[0]);
-    assert!(held.count() >= 7 && narrow.count() >= 6, "{pairs:?}");
+    they_hold(&pairs);
 }
