@@ -9,8 +9,7 @@ pub const EXIT_STATUSES: &str = "\
 Exit status:
   0  done, and the result is good or fair
   1  the test tripped, ran away, was stopped by hand, or is not the structure's response; check, identify: doubtful; compare: no row is usable; improve: worse; replay, diff --within: different; Ctrl-C ended a series of tests early
-  2  bad input, or output that cannot be written
-  3  check: unstable";
+  2  bad input, or output that cannot be written; check: unstable, with its answer on standard output, where bad input leaves nothing";
 
 /// Why a verb did not do what was asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +19,8 @@ pub enum Failure {
     Input(String),
     /// The test tripped, ran away, or is not the structure's response; a result that got worse. Exit status 1.
     Test(String),
-    /// A test that must not be run: its loop is unstable. Exit status 3.
+    /// A test that must not be run: its loop is unstable. Exit status 2, as the contract asks;
+    /// only bad input leaves standard output empty.
     Unstable(String),
 }
 
@@ -38,9 +38,8 @@ impl Failure {
     /// The exit status that the contract gives.
     pub fn exit(&self) -> ExitCode {
         match self {
-            Self::Input(_) => ExitCode::from(2),
+            Self::Input(_) | Self::Unstable(_) => ExitCode::from(2),
             Self::Test(_) => ExitCode::from(1),
-            Self::Unstable(_) => ExitCode::from(3),
         }
     }
 }

@@ -19,9 +19,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Check whether a test may be run: exit status 0 stable, 1 doubtful, 3 unstable
+/// Check whether a test may be run: exit status 0 stable, 1 doubtful, 2 unstable
 ///
-/// Bad input has exit status 2 and writes nothing on standard output.
+/// Bad input has exit status 2, too, but writes nothing on standard output and one sentence on standard error.
 #[derive(clap::Args, Debug)]
 pub struct Check {
     /// The test file

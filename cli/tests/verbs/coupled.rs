@@ -349,7 +349,7 @@ fn compare_ranks_and_check_says_what_the_limits_leave() {
     let said = json_with(1, &tight);
     assert_eq!(said["verdict"], "doubtful", "{}", said["reason"]);
     let wrong = [&arguments[..], &["--compensation", "none"]].concat();
-    assert_eq!(json_with(3, &wrong)["verdict"], "unstable");
+    assert_eq!(json_with(2, &wrong)["verdict"], "unstable");
 }
 
 #[test]

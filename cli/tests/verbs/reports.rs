@@ -100,7 +100,7 @@ fn a_check_has_a_report_whatever_its_verdict_is() {
     );
 
     let arguments = [&arguments[..], &["--compensation", "none"]].concat();
-    let said = json_with(3, &arguments);
+    let said = json_with(2, &arguments);
     assert_eq!(said["verdict"], "unstable");
     page(folder.path(), &["class=\"verdict bad\"", "UNSTABLE"]);
 }

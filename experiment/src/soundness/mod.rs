@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The answer. In this order the exit status is 0, 1 and 3.
+/// The answer. In this order the exit status is 0, 1 and 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SoundnessVerdict {
