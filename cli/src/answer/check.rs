@@ -34,10 +34,7 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
         a.row.compensation,
         three(a.step_s * 1e3)
     );
-    let title = format!("May this test be run? {}", c.experiment.record);
-    let mut d = Document::new(title, lead, c.drawn.is_some());
-    d.verdict(j.verdict, said(j.verdict.name(), &j.reason));
-    d.tell(format!("Expected error: {}.\n", expected(j)));
+    let mut d = opening(&c.experiment.record, lead, j, c.drawn.is_some());
     d.tell(format!(
         "Small motions of the loop after a blow, integration steps of {:.4} ms:",
         a.step_s * 1e3
@@ -88,9 +85,16 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
     d
 }
 
-/// A verdict and its reason.
-pub(super) fn said(verdict: &str, reason: &str) -> String {
-    format!("**{}**: {reason}.", verdict.to_uppercase())
+/// The beginning of a check of a test on the ground motion `record`.
+pub(super) fn opening(record: &str, lead: String, j: &Judgement, with_page: bool) -> Document {
+    let mut d = Document::new(format!("May this test be run? {record}"), lead, with_page);
+    let reason = j.reason.trim_end_matches('.');
+    d.verdict(
+        j.verdict,
+        format!("**{}**: {reason}.", j.verdict.name().to_uppercase()),
+    );
+    d.tell(format!("Expected error: {}.\n", expected(j)));
+    d
 }
 
 /// What can be watched in this test, in words.
@@ -106,7 +110,7 @@ fn watched(judgement: &Judgement) -> String {
 }
 
 /// The expected error in words.
-pub(super) fn expected(judgement: &Judgement) -> String {
+fn expected(judgement: &Judgement) -> String {
     if !judgement.expected_eps_rms.is_finite() {
         return "none, since the planned motion does not run to its end".into();
     }

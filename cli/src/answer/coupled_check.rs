@@ -1,6 +1,6 @@
 //! A check of two coupled actuators, and the further figures of their test.
 
-use super::check::{LARGEST, expected, margins, said};
+use super::check::{LARGEST, margins, opening};
 use super::figures::Figures;
 use super::section::{TestSection, lead};
 use super::summaries::{rotation, tracking};
@@ -52,14 +52,8 @@ pub fn of_coupled_check(
     found: &CoupledMargins,
     planned: Option<(&Trace, &Response)>,
 ) -> Document {
-    let title = format!("May this test be run? {}", c.planned.record);
-    let mut d = Document::new(title, lead(experiment, &c.planned), planned.is_some());
-    let j = &c.judgement;
-    d.verdict(
-        j.verdict,
-        said(j.verdict.name(), j.reason.trim_end_matches('.')),
-    );
-    d.tell(format!("Expected error: {}.\n", expected(j)));
+    let (j, lead) = (&c.judgement, lead(experiment, &c.planned));
+    let mut d = opening(&c.planned.record, lead, j, planned.is_some());
     d.tell(experiment.in_words());
     if let Some(watch) = &j.watch {
         d.tell(watch.not_watched.join(" "));

@@ -1,7 +1,6 @@
 //! `outerloop check`: whether a test may be run.
 
-use super::coupled::CoupledCheckRequest;
-use super::{MethodName, MotionArguments, hand_over_found};
+use super::{MethodName, MotionArguments, coupled, hand_over_found};
 use crate::answer::{CheckSection, TestSection, of_check};
 use crate::document::Document;
 use crate::provenance::note_seed;
@@ -10,14 +9,13 @@ use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
-use experiment::method;
 use experiment::soundness::{self, Judgement, SoundnessVerdict};
 use experiment::stability::perturbed::Spread;
 use experiment::stability::small_motion::Learning;
 use experiment::stability::{self, Stability};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Check whether a test may be run: exit status 0 stable, 1 doubtful, 2 unstable
 ///
@@ -70,45 +68,34 @@ impl Check {
     /// Bad input; a test that is doubtful or unstable.
     pub fn run(&self) -> Result<(), Failure> {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "check.json"])?;
-        let out = out.as_deref();
-        let path = self.test.as_path();
+        let wanted = (out.as_deref(), self.json);
         let spread = self.spread()?;
         note_seed(self.seed);
-        let mut test = TestFile::load_any(path, &self.overrides)?;
-        if test.coupled.is_some() {
-            let asked = CoupledCheckRequest {
-                shaking: self
-                    .motion
-                    .shaking(self.record.as_deref(), &test.excitation)?,
-                compensation: self.compensation.as_deref(),
-                spread,
-                out,
-                json: self.json,
-            };
-            return super::coupled::check(&test, &asked);
-        }
-        if let Some(name) = &self.compensation {
-            test.config.compensation.kind = method(name)?;
-        }
-        let experiment = self.experiment(&test)?;
-        let (judgement, answer) = judge(&experiment, &spread)?;
-        let whole = CheckAnswer {
-            judgement: &judgement,
-            answer: &answer,
+        let experiment = self.experiment()?;
+        let Judgement {
+            verdict, reason, ..
+        } = match experiment.test.coupled {
+            Some(_) => coupled::check(&experiment, &spread, wanted)?,
+            None => check(&experiment, &spread, wanted)?,
         };
-        hand_over_found((out, self.json), "check.json", &whole, |page| {
-            document(&experiment, &whole, page)
-        })?;
-        let (verdict, reason) = (judgement.verdict, &judgement.reason);
-        verdict.outcome(format!("{}: {}: {reason}", path.display(), verdict.name()))
+        verdict.outcome(format!(
+            "{}: {}: {reason}",
+            self.test.display(),
+            verdict.name()
+        ))
     }
 
     /// The planned motion.
-    fn experiment(&self, test: &TestFile) -> Result<Experiment, Failure> {
+    fn experiment(&self) -> Result<Experiment, Failure> {
+        let test = TestFile::load_any(&self.test, &self.overrides)?;
+        let compensation = match &self.compensation {
+            Some(name) => test.compensation_named(name)?,
+            None => test.compensation(),
+        };
         let shaking = self
             .motion
             .shaking(self.record.as_deref(), &test.excitation)?;
-        Experiment::new(test.clone(), &shaking, None)
+        Experiment::new(test, &shaking, None)?.under(compensation)
     }
 
     fn spread(&self) -> Result<Spread, Failure> {
@@ -137,6 +124,23 @@ impl Check {
             damping: share("damping-spread", self.damping_spread)?,
         })
     }
+}
+
+/// Checks a test whose actuators each move a floor of their own.
+fn check(
+    experiment: &Experiment,
+    spread: &Spread,
+    wanted: (Option<&Path>, bool),
+) -> Result<Judgement, Failure> {
+    let (judgement, answer) = judge(experiment, spread)?;
+    let whole = CheckAnswer {
+        judgement: &judgement,
+        answer: &answer,
+    };
+    hand_over_found(wanted, "check.json", &whole, |page| {
+        document(experiment, &whole, page)
+    })?;
+    Ok(judgement)
 }
 
 /// The verdict, with better alternatives, and what small motions say.

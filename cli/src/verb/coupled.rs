@@ -8,8 +8,7 @@ use experiment::Experiment;
 use experiment::coupled::margins::{self, CoupledMargins};
 use experiment::coupled::planned::{self, CoupledCheck};
 use experiment::failure::Failure;
-use experiment::files::ground_motion::GroundMotionFile;
-use experiment::files::test::TestFile;
+use experiment::soundness::Judgement;
 use experiment::stability::perturbed::Spread;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -29,38 +28,23 @@ pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
     }
 }
 
-/// The request for a check.
-pub(super) struct CoupledCheckRequest<'a> {
-    /// The ground motion.
-    pub shaking: GroundMotionFile,
-    /// The compensation, instead of that of the file.
-    pub compensation: Option<&'a str>,
-    /// The spread of the rigs.
-    pub spread: Spread,
-    /// Where results are written.
-    pub out: Option<&'a Path>,
-    /// Only JSON on standard output.
-    pub json: bool,
-}
-
 /// Checks whether the test may be run.
 ///
 /// # Errors
-/// Bad input; a test that may not be run.
-pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<(), Failure> {
-    let mut experiment = Experiment::new(test.clone(), &asked.shaking, None)?;
-    if let Some(name) = asked.compensation {
-        experiment = experiment.under(test.compensation_named(name)?)?;
-    }
-    let seed = asked.spread.seed;
+/// Bad input.
+pub(super) fn check(
+    experiment: &Experiment,
+    spread: &Spread,
+    wanted: (Option<&Path>, bool),
+) -> Result<Judgement, Failure> {
     let (mut check, ideal, run) = {
-        let progress = Progress::over("rigs", asked.spread.plants as u64);
-        planned::check(&experiment, &asked.spread, || progress.add(1))?
+        let progress = Progress::over("rigs", spread.plants as u64);
+        planned::check(experiment, spread, || progress.add(1))?
     };
-    check.judgement.add_alternatives(&experiment)?;
+    check.judgement.add_alternatives(experiment)?;
     let margins = {
         let progress = Progress::over("margins", margins::RUNS);
-        margins::of(&experiment, check.judgement.verdict, seed, |runs| {
+        margins::of(experiment, check.judgement.verdict, spread.seed, |runs| {
             progress.add(runs);
         })?
     };
@@ -68,22 +52,13 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
         check: &check,
         margins: &margins,
     };
-    let text = json(&WithProvenance::seeded(&whole, seed))?;
-    hand_over(
-        (asked.out, asked.json),
-        ("check.json", &text),
-        no_files,
-        |page| {
-            let planned = run
-                .trace
-                .as_ref()
-                .filter(|_| page)
-                .map(|trace| (trace, &ideal));
-            Ok(of_coupled_check(&experiment, &check, &margins, planned))
-        },
-    )?;
-    let (verdict, reason) = (check.judgement.verdict, &check.judgement.reason);
-    verdict.outcome(format!("{}: {reason}", verdict.name()))
+    let text = json(&WithProvenance::seeded(&whole, spread.seed))?;
+    hand_over(wanted, ("check.json", &text), no_files, |page| {
+        let trace = run.trace.as_ref().filter(|_| page);
+        let planned = trace.map(|trace| (trace, &ideal));
+        Ok(of_coupled_check(experiment, &check, &margins, planned))
+    })?;
+    Ok(check.judgement)
 }
 
 /// The answer of `check --json` for two coupled actuators.
