@@ -10,7 +10,7 @@
 use super::forward::{Forward, MAX_DELAY_PERIODS, Slopes};
 use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, accept, between};
 
 /// Factor on the sensor's noise in the estimate, because unmodelled effects act like noise, too.
 const CAUTION: f32 = 3.0;
@@ -41,42 +41,26 @@ impl EstimatorSettings {
     pub fn check(&self) -> Result<(), Refusal> {
         self.plant.check()?;
         let positive = [
-            ("coupled.period_s", self.period_s, 1.0),
-            ("coupled.noise_m", self.noise_m, 1.0),
+            ("coupled.period_s", self.period_s),
+            ("coupled.noise_m", self.noise_m),
         ];
-        for (name, value, most) in positive {
-            if !(value > 0.0 && value < most) {
-                return Err(Refusal {
-                    name,
-                    value: f64::from(value),
-                    accepted: "a number above 0, below 1",
-                });
-            }
+        for (name, value) in positive {
+            let accepted = "a number above 0, below 1";
+            between(name, f64::from(value), 0.0, 1.0, accepted)?;
         }
         let most = MAX_DELAY_PERIODS * self.period_s;
-        if let Some(&delay) = self.plant.delay_s.iter().find(|d| !(**d <= most)) {
-            return Err(Refusal {
-                name: "plant.delay_s",
-                value: f64::from(delay),
-                accepted: "at most 60 sampling periods",
-            });
+        for &delay in &self.plant.delay_s {
+            let accepted = "at most 60 sampling periods";
+            accept("plant.delay_s", f64::from(delay), delay <= most, accepted)?;
         }
         for &(parameter, spread) in &self.spreads {
             let value = self.plant.value(parameter).unwrap_or(0.0);
-            if !(value != 0.0 && value.is_finite()) {
-                return Err(Refusal {
-                    name: "coupled.parameter",
-                    value: f64::from(value),
-                    accepted: "a parameter that the plant has",
-                });
-            }
-            if !(spread > 0.0 && spread <= 0.5) {
-                return Err(Refusal {
-                    name: "coupled.spread",
-                    value: f64::from(spread),
-                    accepted: "a number above 0, at most 0.5",
-                });
-            }
+            let has = value != 0.0 && value.is_finite();
+            let accepted = "a parameter that the plant has";
+            accept("coupled.parameter", f64::from(value), has, accepted)?;
+            let accepted = "a number above 0, at most 0.5";
+            let fine = spread > 0.0 && spread <= 0.5;
+            accept("coupled.spread", f64::from(spread), fine, accepted)?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@
 //! The tracking index, IEEE Trans. Aerospace and Electronic Systems 20, 1984).
 
 use super::inverse::Jet;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, accept, between};
 use heapless::Vec;
 
 /// The largest number of modes of a coordinate.
@@ -72,14 +72,6 @@ pub struct ObserverConstants {
 
 type Matrix = [[f64; STATES]; STATES];
 
-fn refused(name: &'static str, value: f64, accepted: &'static str) -> Refusal {
-    Refusal {
-        name,
-        value,
-        accepted,
-    }
-}
-
 impl ObserverSettings {
     /// With its steady gain for samples `period_s` apart.
     ///
@@ -90,9 +82,8 @@ impl ObserverSettings {
             ("observer.noise", self.noise),
             ("observer.process_per_s2", self.process_per_s2),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(refused(name, value, "a number above 0"));
-            }
+            let fine = value > 0.0 && value.is_finite();
+            accept(name, value, fine, "a number above 0")?;
         }
         check_modes(self.modes.iter(), period_s)?;
         let (mut f, mut q) = ([[0.0; STATES]; STATES], [[0.0; STATES]; STATES]);
@@ -108,11 +99,11 @@ impl ObserverSettings {
             }
         }
         let gain =
-            steady_gain(&f, &q, self.noise * self.noise, self.modes.len()).ok_or(refused(
-                "observer.noise",
-                self.noise,
-                "a number that gives a steady gain",
-            ))?;
+            steady_gain(&f, &q, self.noise * self.noise, self.modes.len()).ok_or(Refusal {
+                name: "observer.noise",
+                value: self.noise,
+                accepted: "a number that gives a steady gain",
+            })?;
         let modes = self.modes.iter().enumerate();
         Ok(SteadyObserver {
             modes: modes
@@ -127,25 +118,16 @@ fn check_modes<'a>(
     modes: impl ExactSizeIterator<Item = &'a VibrationMode>,
     period_s: f64,
 ) -> Result<(), Refusal> {
-    if modes.len() == 0 {
-        return Err(refused("observer.modes", 0.0, "one to three modes"));
-    }
+    let any = modes.len() > 0;
+    accept("observer.modes", 0.0, any, "one to three modes")?;
     for mode in modes {
         let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
-        if !(w > 0.0 && w * period_s < 3.0 && (0.0..1.0).contains(&z)) {
-            return Err(refused(
-                "observer.omega_rad_per_s",
-                w,
-                "an underdamped mode below the Nyquist frequency",
-            ));
-        }
-        if !mode.participation.is_finite() {
-            return Err(refused(
-                "observer.participation",
-                mode.participation,
-                "a finite number",
-            ));
-        }
+        let fine = w > 0.0 && w * period_s < 3.0 && (0.0..1.0).contains(&z);
+        let accepted = "an underdamped mode below the Nyquist frequency";
+        accept("observer.omega_rad_per_s", w, fine, accepted)?;
+        let part = mode.participation;
+        let accepted = "a finite number";
+        accept("observer.participation", part, part.is_finite(), accepted)?;
     }
     Ok(())
 }
@@ -160,8 +142,8 @@ impl ObserverConstants {
         check_modes(observer.modes.iter().map(|(mode, _)| mode), period_s)?;
         let mut modes = [ModeConstants::default(); MAX_MODES];
         for (place, (mode, gain)) in modes.iter_mut().zip(&observer.modes) {
-            if let Some(gain) = gain.iter().find(|g| !g.is_finite()) {
-                return Err(refused("observer.gain", *gain, "a finite number"));
+            for g in gain {
+                accept("observer.gain", *g, g.is_finite(), "a finite number")?;
             }
             let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
             let a = transition(w, z, period_s);
@@ -179,10 +161,8 @@ impl ObserverConstants {
             };
         }
         let alpha: f64 = observer.modes.iter().map(|(_, gain)| gain[0]).sum();
-        if !(alpha > 0.0 && alpha < 1.0) {
-            let accepted = "gains of displacement whose sum is above 0, below 1: a smaller coupled.observer.process";
-            return Err(refused("observer.gain", alpha, accepted));
-        }
+        let accepted = "gains of displacement whose sum is above 0, below 1: a smaller coupled.observer.process";
+        between("observer.gain", alpha, 0.0, 1.0, accepted)?;
         let beta = 2.0 * (2.0 - alpha) - 4.0 * libm::sqrt(1.0 - alpha);
         Ok(Self {
             modes,

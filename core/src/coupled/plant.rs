@@ -10,7 +10,7 @@
 //! (servo valve, oil, frame) is in its column; strokes differ only in a gain and at most one zero.
 
 use super::pair::Pair;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, accept};
 use heapless::Vec;
 
 /// The transfer function from commands to strokes.
@@ -68,51 +68,40 @@ impl Plant {
     /// # Errors
     /// A pole that is not positive, gains that cannot be inverted, path zeros in both columns.
     pub fn check(&self) -> Result<(), Refusal> {
-        let refused = |name, value: f32, accepted| {
-            Err(Refusal {
-                name,
-                value: f64::from(value),
-                accepted,
-            })
-        };
+        let check =
+            |name, value: f32, fine, accepted| accept(name, f64::from(value), fine, accepted);
         let poles = self
             .slow_pole_rad_per_s
             .iter()
             .chain(&self.fast_pole_rad_per_s);
         for &pole in poles.chain([&self.natural_rad_per_s, &self.damping_ratio]) {
-            if !(pole > 0.0 && pole < 1e6) {
-                return refused("plant.pole_rad_per_s", pole, "a number above 0, below 1e6");
-            }
+            let fine = pole > 0.0 && pole < 1e6;
+            check(
+                "plant.pole_rad_per_s",
+                pole,
+                fine,
+                "a number above 0, below 1e6",
+            )?;
         }
-        let leads = self.lead_s.iter().chain(&self.path_lead_s).flatten();
-        for &lead in leads {
-            if !(0.0..1e3).contains(&lead) {
-                return refused("plant.lead_s", lead, "0 or a number up to 1000 s");
-            }
+        for &lead in self.lead_s.iter().chain(&self.path_lead_s).flatten() {
+            let fine = (0.0..1e3).contains(&lead);
+            check("plant.lead_s", lead, fine, "0 or a number up to 1000 s")?;
         }
         for &delay in &self.delay_s {
-            if !(0.0..1.0).contains(&delay) {
-                return refused("plant.delay_s", delay, "0 or a number below 1 s");
-            }
+            let fine = (0.0..1.0).contains(&delay);
+            check("plant.delay_s", delay, fine, "0 or a number below 1 s")?;
         }
         let n = &self.path_lead_s;
         let both =
             n.iter().map(|row| row[0]).sum::<f32>() * n.iter().map(|row| row[1]).sum::<f32>();
-        if both != 0.0 {
-            return refused("plant.path_lead_s", both, "path zeros in one column only");
-        }
-        let determinant = self.determinant();
-        if !(determinant[0].abs() > 1e-6 && determinant[0].is_finite()) {
-            return refused("plant.gain", determinant[0], "gains that can be inverted");
-        }
-        if !(determinant[1] / determinant[0] >= 0.0) {
-            return refused(
-                "plant.path_lead_s",
-                determinant[1] / determinant[0],
-                "a coupling without a zero in the right half plane",
-            );
-        }
-        Ok(())
+        let one = "path zeros in one column only";
+        check("plant.path_lead_s", both, both == 0.0, one)?;
+        let [d0, d1] = self.determinant();
+        let fine = d0.abs() > 1e-6 && d0.is_finite();
+        check("plant.gain", d0, fine, "gains that can be inverted")?;
+        let zero = d1 / d0;
+        let left = "a coupling without a zero in the right half plane";
+        check("plant.path_lead_s", zero, zero >= 0.0, left)
     }
 
     /// `d0` and `d1` of the determinant `d0 + d1 s` of the matrix `k_ij (1 + s n_ij)`.

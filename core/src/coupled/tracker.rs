@@ -6,7 +6,7 @@ use super::inverse::{Jet, PlantInverse};
 use super::observer::{Observer, ObserverConstants, SteadyObserver};
 use super::pair::Pair;
 use super::plant::Plant;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, accept};
 
 /// Settings of the tracker.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,26 +43,21 @@ impl TrackerConstants {
     /// The first setting that cannot be used.
     pub fn new(settings: &TrackerSettings) -> Result<Self, Refusal> {
         settings.estimate.check()?;
-        let refused = |name, value: f32, accepted| Refusal {
-            name,
-            value: f64::from(value),
-            accepted,
-        };
-        if !settings.coupler.is_regular() {
-            let arm = settings.coupler.pin_y_m[1] - settings.coupler.pin_y_m[0];
-            return Err(refused("coupler.pin_y_m", arm, "pins that are apart"));
-        }
-        let trusted = settings.trust_reading_hz;
-        if !(trusted > 0.0 && trusted.is_finite()) {
-            return Err(refused(
-                "coupled.trust_reading_hz",
-                trusted,
-                "a number above 0",
-            ));
-        }
-        if !(0.0..=0.1).contains(&settings.ahead_s) {
-            return Err(refused("coupled.ahead_s", settings.ahead_s, "0 to 0.1 s"));
-        }
+        let pins_m = settings.coupler.pin_y_m;
+        let arm = f64::from(pins_m[1] - pins_m[0]);
+        let is_regular = settings.coupler.is_regular();
+        accept("coupler.pin_y_m", arm, is_regular, "pins that are apart")?;
+        let trusted = f64::from(settings.trust_reading_hz);
+        let fine = trusted > 0.0 && trusted.is_finite();
+        accept(
+            "coupled.trust_reading_hz",
+            trusted,
+            fine,
+            "a number above 0",
+        )?;
+        let ahead = (0.0..=0.1).contains(&settings.ahead_s);
+        let ahead_s = f64::from(settings.ahead_s);
+        accept("coupled.ahead_s", ahead_s, ahead, "0 to 0.1 s")?;
         let period_s = settings.estimate.period_s;
         let observers = [
             ObserverConstants::new(&settings.target[0], f64::from(period_s))?,

@@ -4,9 +4,9 @@ use super::settings;
 use super::table::CoupledTable;
 use crate::files::plain::{part, typed};
 use outerloop_core::{Config, Method, config::Limits, config::Timing};
-use plant::RigSpec;
 use plant::coupled::{CoupledRig, CoupledRigSpec};
 use plant::measurement::SensorsSpec;
+use plant::{RigError, RigSpec};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -48,32 +48,32 @@ impl CoupledPart {
                 "{other} is refused: accepted beside [coupled] are [plant], [loop], [serve] and [excitation]"
             ));
         }
-        if timing.time_scale != 1.0 || timing.substeps != 1 {
-            return Err(format!(
-                "loop.time_scale = {} and loop.substeps = {} are refused: accepted is 1 for both, since coupled actuators are \
-                 tested in real time",
-                timing.time_scale, timing.substeps
-            ));
-        }
         let own = Self {
             declared,
             rig: plant.coupled,
         };
         let config = own.config(timing);
-        CoupledRig::new(
-            &own.rig,
-            &own.declared.coupler,
-            &plant.sensors,
-            config.timing.rate_hz,
-            0,
-        )
-        .map_err(|e| e.to_string())?;
+        own.simulated(&plant.sensors, config.timing.rate_hz, 0)
+            .map_err(|e| e.to_string())?;
         settings::check(&own.declared, &config)?;
         let sensors = RigSpec {
             sensors: plant.sensors,
             ..RigSpec::default()
         };
         Ok((own, sensors, config))
+    }
+
+    /// The rig that stands in for the laboratory; `seed`: of everything random in it.
+    ///
+    /// # Errors
+    /// A parameter that is refused.
+    pub fn simulated(
+        &self,
+        sensors: &SensorsSpec,
+        rate_hz: f64,
+        seed: u64,
+    ) -> Result<CoupledRig, RigError> {
+        CoupledRig::new(&self.rig, &self.declared.coupler, sensors, rate_hz, seed)
     }
 
     /// Core's configuration besides the part: rates, and the limits of each actuator. Of the structure it has what

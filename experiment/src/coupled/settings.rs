@@ -9,7 +9,7 @@ use outerloop_core::coupled::{
     Bounds, CoupledRig, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
     TrackerSettings, observed,
 };
-use outerloop_core::{Config, Design, Structure, modes};
+use outerloop_core::{Config, Design, Refusal, Structure, accept, modes};
 use plant::coupled::ActuatorPairSpec;
 use std::f64::consts::TAU;
 
@@ -40,21 +40,7 @@ pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
     c.actuators
         .check("coupled.actuators")
         .map_err(|e| e.to_string())?;
-    let spread = c.spread;
-    for (name, ratio) in [
-        ("slow_pole_ratio", spread.slow_pole_ratio),
-        ("fast_pole_ratio", spread.fast_pole_ratio),
-        ("lead_ratio", spread.lead_ratio),
-        ("path_lead_ratio", spread.path_lead_ratio),
-        ("natural_ratio", spread.natural_ratio),
-        ("gain_ratio", spread.gain_ratio),
-    ] {
-        if !(0.0..=0.5).contains(&ratio) {
-            return Err(format!(
-                "coupled.spread.{name} = {ratio} is refused: accepted are 0 to 0.5"
-            ));
-        }
-    }
+    within_range(c).map_err(|e| e.to_string())?;
     let limits = &c.limits;
     let optional = [
         ("force_stands_m", limits.force_stands_m),
@@ -70,29 +56,46 @@ pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
             ));
         }
     }
-    let noise_mm = c.noise_mm;
-    if !(noise_mm > 0.0 && noise_mm < 1e3) {
-        return Err(format!(
-            "coupled.noise_mm = {noise_mm} is refused: accepted are numbers above 0, below 1000"
-        ));
-    }
-    let observer = c.observer;
-    if !(observer.noise_ratio > 0.0 && observer.noise_ratio < 1.0) {
-        return Err(format!(
-            "coupled.observer.noise_ratio = {} is refused: accepted are numbers above 0, below 1",
-            observer.noise_ratio
-        ));
-    }
-    if let Some(p) = observer.process.iter().find(|p| p.is_nan() || **p <= 0.0) {
-        return Err(format!(
-            "coupled.observer.process = {p} is refused: accepted are numbers above 0"
-        ));
-    }
     for kind in CoupledCompensation::ALL {
         let settings = with_floors!(c.structure.coordinates.len(), N => {
             design::<N>(c, config, kind).map(drop)
         });
         settings.map_err(|e| e.to_string())?;
+    }
+    Ok(())
+}
+
+/// Checks the numbers that core does not have under their keys.
+fn within_range(c: &CoupledTable) -> Result<(), Refusal> {
+    let (spread, observer) = (c.spread, c.observer);
+    for (key, ratio) in [
+        ("coupled.spread.slow_pole_ratio", spread.slow_pole_ratio),
+        ("coupled.spread.fast_pole_ratio", spread.fast_pole_ratio),
+        ("coupled.spread.lead_ratio", spread.lead_ratio),
+        ("coupled.spread.path_lead_ratio", spread.path_lead_ratio),
+        ("coupled.spread.natural_ratio", spread.natural_ratio),
+        ("coupled.spread.gain_ratio", spread.gain_ratio),
+    ] {
+        accept(key, ratio, (0.0..=0.5).contains(&ratio), "0 to 0.5")?;
+    }
+    let (noise_mm, ratio) = (c.noise_mm, observer.noise_ratio);
+    let between = |x: f64, below: f64| x > 0.0 && x < below;
+    let accepted = "numbers above 0, below 1000";
+    accept(
+        "coupled.noise_mm",
+        noise_mm,
+        between(noise_mm, 1e3),
+        accepted,
+    )?;
+    let accepted = "numbers above 0, below 1";
+    accept(
+        "coupled.observer.noise_ratio",
+        ratio,
+        between(ratio, 1.0),
+        accepted,
+    )?;
+    for p in observer.process {
+        accept("coupled.observer.process", p, p > 0.0, "numbers above 0")?;
     }
     Ok(())
 }
@@ -182,7 +185,7 @@ pub fn of<const N: usize>(
     config: &Config,
     kind: CoupledCompensation,
 ) -> Result<CoupledSettings<N>, Failure> {
-    let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
+    let refused = |e: Refusal| Failure::input(e);
     let limits = &c.limits;
     let whole = structure::<N>(c)?;
     let noise = |limit: f64| c.observer.noise_ratio * limit;

@@ -1,6 +1,6 @@
 //! `[serve]`: how a rig serves an external program.
 
-use outerloop_core::Pace;
+use outerloop_core::{Pace, Refusal, accept};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -109,22 +109,28 @@ impl Settings {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first inadmissible one, in a sentence.
-    pub fn check(&self) -> Result<(), String> {
-        let refuse = |name: &str, value: f64, accepted: &str| {
-            Err(format!(
-                "serve.{name} = {value} is refused: accepted are {accepted}"
-            ))
-        };
-        if !(0.0..=60_000.0).contains(&self.settle_ms) {
-            return refuse("settle_ms", self.settle_ms, "0 to 60000 ms");
-        }
-        if !(0.0..=60_000.0).contains(&self.average_ms) {
-            return refuse("average_ms", self.average_ms, "0 to 60000 ms");
-        }
-        if !(self.timeout_s > 0.0 && self.timeout_s <= 86_400.0) {
-            return refuse("timeout_s", self.timeout_s, "above 0 to 86400 s");
-        }
-        Ok(())
+    /// The first inadmissible one.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let (settle_ms, average_ms, timeout_s) = (self.settle_ms, self.average_ms, self.timeout_s);
+        let short = |ms: f64| (0.0..=60_000.0).contains(&ms);
+        let within_a_day = timeout_s > 0.0 && timeout_s <= 86_400.0;
+        accept(
+            "serve.settle_ms",
+            settle_ms,
+            short(settle_ms),
+            "0 to 60000 ms",
+        )?;
+        accept(
+            "serve.average_ms",
+            average_ms,
+            short(average_ms),
+            "0 to 60000 ms",
+        )?;
+        accept(
+            "serve.timeout_s",
+            timeout_s,
+            within_a_day,
+            "above 0 to 86400 s",
+        )
     }
 }

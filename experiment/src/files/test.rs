@@ -11,7 +11,7 @@ use crate::rig::declared::{self, Expected};
 use crate::rig::improvement;
 use crate::trace::Trace;
 use diagnosis::Model;
-use outerloop_core::Config;
+use outerloop_core::{Config, Refusal, accept};
 use plant::RigSpec;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -103,28 +103,34 @@ impl Default for Excitation {
 }
 
 impl Excitation {
+    fn within_range(&self) -> Result<(), Refusal> {
+        let (scale, rest_s) = (self.scale, self.rest_s);
+        let strong = scale.is_finite() && scale != 0.0 && scale.abs() <= 1e3;
+        let short = (0.0..=60.0).contains(&rest_s);
+        accept(
+            "excitation.scale",
+            scale,
+            strong,
+            "factors other than 0, to 1000",
+        )?;
+        accept("excitation.rest_s", rest_s, short, "0 to 60 s")?;
+        let mm = self.peak_response_mm.unwrap_or(1.0);
+        let accepted = "above 0 to 10000 mm";
+        accept(
+            "excitation.peak_response_mm",
+            mm,
+            mm > 0.0 && mm <= 1e4,
+            accepted,
+        )
+    }
+
     /// That its values can be meant.
     ///
     /// # Errors
     /// The first that cannot, by its key.
     pub fn check(&self) -> Result<(), String> {
-        let strong = |x: f64| x.is_finite() && x != 0.0 && x.abs() <= 1e3;
-        if !strong(self.scale) {
-            return Err(format!(
-                "excitation.scale = {} is refused: accepted are factors other than 0, to 1000",
-                self.scale
-            ));
-        }
-        if !(0.0..=60.0).contains(&self.rest_s) {
-            return Err(format!(
-                "excitation.rest_s = {} is refused: accepted are 0 to 60 s",
-                self.rest_s
-            ));
-        }
+        self.within_range().map_err(|e| e.to_string())?;
         match self.peak_response_mm {
-            Some(mm) if !(mm > 0.0 && mm <= 1e4) => Err(format!(
-                "excitation.peak_response_mm = {mm} is refused: accepted are above 0 to 10000 mm"
-            )),
             Some(_) if self.scale != 1.0 => Err(
                 "excitation.scale and excitation.peak_response_mm are both given: accepted is one of them".into(),
             ),
@@ -196,6 +202,21 @@ impl TestFile {
         Compensation::named(name, self.coupled.is_some())
     }
 
+    /// The compensations with these names, or `otherwise` where none is named.
+    ///
+    /// # Errors
+    /// As for [`TestFile::compensation_named`].
+    pub fn compensations(
+        &self,
+        names: &[String],
+        otherwise: Vec<Compensation>,
+    ) -> Result<Vec<Compensation>, Failure> {
+        match names {
+            [] => Ok(otherwise),
+            names => names.iter().map(|n| self.compensation_named(n)).collect(),
+        }
+    }
+
     /// A record of this test without a step yet.
     pub fn trace(&self) -> Trace {
         let rate_hz = self.config.timing.rate_hz;
@@ -254,7 +275,7 @@ impl TestFile {
         excitation.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
         let serve: Settings = part("serve", table.remove("serve"))?;
-        serve.check()?;
+        serve.check().map_err(|e| e.to_string())?;
         if table.contains_key("coupled") {
             let (coupled, plant, config) = CoupledPart::take(table)?;
             return Ok(Self {
