@@ -110,39 +110,36 @@ macro_rules! with_predictor {
     };
 }
 
-macro_rules! predictor_names {
-    ($($(#[doc = $doc:literal])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*) => {
-        /// What stands between the target and the command that is sent; each is a method of the same name.
+/// An enum of named halves of a method, with their numbers and sentences.
+macro_rules! halves {
+    ($(#[$about:meta])* $Half:ident: $($(#[doc = $doc:literal])* $number:literal $V:ident $name:literal;)*) => {
+        $(#[$about])*
         ///
         /// The numbers are on the link and in flash: they never change, and none is given again.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
         #[non_exhaustive]
-        pub enum Prediction {
-            /// The target is sent as it is.
-            None = 0,
-            $($(#[doc = $doc])* $P = $number,)*
+        pub enum $Half {
+            $($(#[doc = $doc])* $V = $number,)*
         }
 
-        impl Prediction {
-            /// Every predictor, in the order of the documentation; what a program brings itself is none of them.
+        impl $Half {
+            /// All of them, in the order of the documentation, without what a program brings itself.
             pub const ALL: &[Self] = but_last(Self::NAMED);
 
-            const NAMED: &[Self] = &[Self::None, $(Self::$P),*];
+            const NAMED: &[Self] = &[$(Self::$V),*];
 
             /// The name on the command line and in files.
             pub const fn name(self) -> &'static str {
                 match self {
-                    Self::None => "none",
-                    $(Self::$P => $name,)*
+                    $(Self::$V => $name,)*
                 }
             }
 
             /// What it does, in a sentence.
             pub const fn meaning(self) -> &'static str {
                 match self {
-                    Self::None => "The target is sent as it is.",
-                    $(Self::$P => concat!($($doc),*).trim_ascii_start(),)*
+                    $(Self::$V => concat!($($doc),*).trim_ascii_start(),)*
                 }
             }
 
@@ -151,10 +148,22 @@ macro_rules! predictor_names {
                 self as u8
             }
 
-            /// The predictor with this number.
+            /// The one with this number.
             pub fn from_code(code: u8) -> Option<Self> {
-                Self::NAMED.iter().copied().find(|p| p.code() == code)
+                Self::NAMED.iter().copied().find(|half| half.code() == code)
             }
+        }
+    };
+}
+
+macro_rules! predictor_names {
+    ($($(#[doc = $doc:literal])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*) => {
+        halves! {
+            /// What stands between the target and the command that is sent; each is a method of the same name.
+            Prediction:
+            /// The target is sent as it is.
+            0 None "none";
+            $($(#[doc = $doc])* $number $P $name;)*
         }
 
         #[allow(non_upper_case_globals)] // They are read as what they name: `Method::Lagrange`.
@@ -173,46 +182,12 @@ macro_rules! names {
         predictor_names!{$($predictors)*}
     };
     (@ [$($(#[doc = $doc:literal])* $number:literal $F:ident $name:literal $own:ident;)*] $predictors:tt) => {
-        /// How the restoring force enters the equation of motion.
-        ///
-        /// The numbers are on the link and in flash: they never change, and none is given again.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[repr(u8)]
-        #[non_exhaustive]
-        pub enum Force {
-            $($(#[doc = $doc])* $F = $number,)*
+        halves! {
+            /// How the restoring force enters the equation of motion.
+            Force: $($(#[doc = $doc])* $number $F $name;)*
         }
 
         impl Force {
-            /// Every force law, in the order of the documentation; what a program brings itself is none of them.
-            pub const ALL: &[Self] = but_last(Self::NAMED);
-
-            const NAMED: &[Self] = &[$(Self::$F),*];
-
-            /// The name on the command line and in files.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$F => $name,)*
-                }
-            }
-
-            /// What it does, in a sentence.
-            pub const fn meaning(self) -> &'static str {
-                match self {
-                    $(Self::$F => concat!($($doc),*).trim_ascii_start(),)*
-                }
-            }
-
-            /// The number on the link and in flash.
-            pub const fn code(self) -> u8 {
-                self as u8
-            }
-
-            /// The force law with this number.
-            pub fn from_code(code: u8) -> Option<Self> {
-                Self::NAMED.iter().copied().find(|f| f.code() == code)
-            }
-
             /// The predictor behind which it stands where it is named alone.
             pub const fn own_predictor(self) -> Prediction {
                 match self {

@@ -103,6 +103,25 @@ impl Learning {
     }
 }
 
+/// Constants of a predictor that learns from a declared delay.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constants {
+    /// The declared delay, control steps: the one to begin with, or the time constant of a reference model.
+    pub delay: f32,
+    /// How it learns.
+    pub learning: Learning,
+}
+
+impl Constants {
+    /// The constants for a test.
+    pub fn design(context: &ActuatorContext<'_>) -> Self {
+        Self {
+            delay: context.delay_steps() as f32,
+            learning: Learning::design(context),
+        }
+    }
+}
+
 /// Running peaks of the motion of one axis.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gate {

@@ -12,18 +12,9 @@
 //! # When not to use it
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. TI neither sees a gain error nor is affected by one.
 
-use super::adaptation::{Gate, Learning};
+use super::adaptation::{Constants, Gate};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-
-/// Constants of the adaptive inverse.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Constants {
-    /// Initial alpha - 1.
-    pub delay: f32,
-    /// How it is learnt.
-    pub learning: Learning,
-}
 
 /// The adaptive inverse on one axis.
 #[derive(Clone, Debug)]
@@ -42,10 +33,7 @@ impl PredictAxis for AdaptiveInverse {
     const LEARNS: bool = true;
 
     fn design(context: &ActuatorContext<'_>) -> Constants {
-        Constants {
-            delay: context.delay_steps() as f32,
-            learning: Learning::design(context),
-        }
+        Constants::design(context)
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -14,18 +14,9 @@
 //! Beyond `omega tau` of about 1 for the highest active mode: the second-order term amplifies it. For an actuator that
 //! is neither a delay nor a second-order lag, [`super::ats`] fits more of it.
 
-use super::adaptation::{Gate, Learning};
+use super::adaptation::{Constants, Gate};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-
-/// Constants of the prediction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Constants {
-    /// Initial delay, control steps.
-    pub delay: f32,
-    /// How it is learnt.
-    pub learning: Learning,
-}
 
 /// What has been learnt of one axis.
 #[derive(Clone, Debug)]
@@ -43,10 +34,7 @@ impl PredictAxis for Afp {
     const LEARNS: bool = true;
 
     fn design(context: &ActuatorContext<'_>) -> Constants {
-        Constants {
-            delay: context.delay_steps() as f32,
-            learning: Learning::design(context),
-        }
+        Constants::design(context)
     }
 
     fn at_rest(k: &Constants) -> Self {

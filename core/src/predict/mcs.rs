@@ -18,7 +18,7 @@
 //! For a pure delay its two gains are the wrong parameters: it trades amplitude for phase. The feedback of m closes a
 //! loop around the actuator; `K_x` is therefore kept within [`MOST`].
 
-use super::adaptation::{Gate, Learning, learnt};
+use super::adaptation::{Constants, Gate, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
 
@@ -27,15 +27,6 @@ const MOST: f32 = 0.5;
 
 /// beta, relative: at the peak of the motion half of the error is fed back, so that an actuator may overdo it twice.
 pub const PROPORTIONAL: f32 = 0.25;
-
-/// Constants of the controller.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Constants {
-    /// Time constant of the reference model, control steps.
-    pub delay: f32,
-    /// How the gains are learnt.
-    pub learning: Learning,
-}
 
 /// One axis.
 #[derive(Clone, Debug)]
@@ -53,10 +44,7 @@ impl PredictAxis for Mcs {
     const LEARNS: bool = true;
 
     fn design(context: &ActuatorContext<'_>) -> Constants {
-        Constants {
-            delay: context.delay_steps() as f32,
-            learning: Learning::design(context),
-        }
+        Constants::design(context)
     }
 
     fn at_rest(_: &Constants) -> Self {
