@@ -28,6 +28,19 @@ impl RigError {
     }
 }
 
+/// Refuses the first parameter that the kind of `part` does not have: a parameter without effect is a mistake. Each has its name,
+/// whether it is given beside another kind, and the kinds that have it.
+pub(crate) fn refuse_stray(part: &str, all: &[(&str, bool, &str)]) -> Result<(), RigError> {
+    match all.iter().find(|(_, is_stray, _)| *is_stray) {
+        None => Ok(()),
+        Some((name, _, kinds)) => Err(RigError::new(
+            format!("plant.{part}.{name}"),
+            "given",
+            format!("it beside plant.{part}.kind = {kinds} only"),
+        )),
+    }
+}
+
 impl fmt::Display for RigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {

@@ -8,7 +8,7 @@ use super::random_multiplier::RandomMultiplier;
 use super::servo_hydraulic::{ServoHydraulic, ServoSpec};
 use crate::delay_line::DelayLine;
 use crate::effect::{Additions, Later};
-use crate::error::{Accept, RigError};
+use crate::error::{Accept, RigError, refuse_stray};
 use crate::lag::{FirstOrder, SecondOrder};
 use crate::per_axis::PerAxis;
 use crate::random::{Normal, Purpose};
@@ -362,38 +362,31 @@ impl ActuatorSpec {
         Ok((delay_ms, lag_ms))
     }
 
-    /// A parameter without effect is a mistake; only the ideal actuator ignores all.
+    /// Only the ideal actuator ignores what another kind has.
     fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
-        use ActuatorKind as Kind;
-        let belongs = |name: &str, given: bool, kind: Kind, only: &str| {
-            if given && self.kind != kind && self.kind != Kind::Ideal {
-                Err(RigError::new(
-                    format!("plant.actuator.{name}"),
-                    "given",
-                    format!("it beside plant.actuator.kind = \"{only}\" only"),
-                ))
-            } else {
-                Ok(())
-            }
-        };
-        belongs("lag_ms", !self.lag_ms.is(0.0), Kind::LagDelay, "lag_delay")?;
-        belongs(
-            "zeta",
-            self.zeta.is_some(),
-            Kind::SecondOrder,
-            "second_order",
-        )?;
-        belongs(
-            "multiplier_sd",
-            self.multiplier_sd.is_some(),
-            Kind::RandomMultiplier,
-            "random_multiplier",
-        )?;
-        belongs(
-            "servo",
-            self.servo.is_some(),
-            Kind::ServoHydraulic,
-            "servo_hydraulic",
+        use ActuatorKind::{Ideal, LagDelay, RandomMultiplier, SecondOrder, ServoHydraulic};
+        let (multiplier, servo) = (self.multiplier_sd.is_some(), self.servo.is_some());
+        let stray = |given: bool, kind| given && ![kind, Ideal].contains(&self.kind);
+        refuse_stray(
+            "actuator",
+            &[
+                (
+                    "lag_ms",
+                    stray(!self.lag_ms.is(0.0), LagDelay),
+                    "\"lag_delay\"",
+                ),
+                (
+                    "zeta",
+                    stray(self.zeta.is_some(), SecondOrder),
+                    "\"second_order\"",
+                ),
+                (
+                    "multiplier_sd",
+                    stray(multiplier, RandomMultiplier),
+                    "\"random_multiplier\"",
+                ),
+                ("servo", stray(servo, ServoHydraulic), "\"servo_hydraulic\""),
+            ],
         )
     }
 }

@@ -7,7 +7,7 @@ use super::bilinear::Bilinear;
 use super::bouc_wen::BoucWen;
 use super::storey::{Restoring, Storey};
 use crate::effect::additions::Additions;
-use crate::error::{Accept, RigError};
+use crate::error::{Accept, RigError, refuse_stray};
 use crate::per_axis::PerAxis;
 
 /// The restoring force of a storey.
@@ -175,46 +175,27 @@ impl SpecimenSpec {
         Ok((0..axes).map(storey).collect())
     }
 
-    /// A parameter without effect is a mistake.
     fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
         use SpecimenKind::{Bilinear, BoucWen};
-        let belongs = |name: &str, given: bool, kinds: &[SpecimenKind], to: &str| {
-            if given && !kinds.contains(&self.kind) {
-                let accepted = format!("it beside plant.specimen.kind = {to} only");
-                Err(RigError::new(
-                    format!("plant.specimen.{name}"),
-                    "given",
-                    accepted,
-                ))
-            } else {
-                Ok(())
-            }
-        };
-        let both = [Bilinear, BoucWen];
-        belongs(
-            "yield_mm",
-            self.yield_mm.is_some(),
-            &both,
-            "\"bilinear\" or \"bouc_wen\"",
-        )?;
-        let ratio = self.hardening_ratio.is_some();
-        belongs(
-            "hardening_ratio",
-            ratio,
-            &both,
-            "\"bilinear\" or \"bouc_wen\"",
-        )?;
-        belongs(
-            "sharpness",
-            self.sharpness.is_some(),
-            &[BoucWen],
-            "\"bouc_wen\"",
-        )?;
-        belongs(
-            "loop_shape",
-            self.loop_shape.is_some(),
-            &[BoucWen],
-            "\"bouc_wen\"",
+        let yields = [Bilinear, BoucWen].contains(&self.kind);
+        let is_smooth = self.kind == BoucWen;
+        let (both, smooth) = ("\"bilinear\" or \"bouc_wen\"", "\"bouc_wen\"");
+        refuse_stray(
+            "specimen",
+            &[
+                ("yield_mm", self.yield_mm.is_some() && !yields, both),
+                (
+                    "hardening_ratio",
+                    self.hardening_ratio.is_some() && !yields,
+                    both,
+                ),
+                ("sharpness", self.sharpness.is_some() && !is_smooth, smooth),
+                (
+                    "loop_shape",
+                    self.loop_shape.is_some() && !is_smooth,
+                    smooth,
+                ),
+            ],
         )
     }
 }
