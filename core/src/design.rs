@@ -1,6 +1,6 @@
 //! Turns a checked configuration into the constants of the step. The only place where f64 meets the loop.
 
-use crate::config::{Config, Estimation, Filter, PerFloor};
+use crate::config::{Config, Estimation, Filter};
 use crate::context::Context;
 use crate::estimate::{self, Biquad, InnovationMean, KalmanGains, StiffnessPrior};
 use crate::force::Law;
@@ -94,14 +94,7 @@ impl<const N: usize> Design<N> {
             s.mass_kg.len() == N,
             "as many masses as the loop has degrees of freedom",
         )?;
-        let structure = Structure::shear_frame(
-            &floors(&s.mass_kg),
-            &floors(&s.stiffness_n_per_m),
-            &floors(&s.damping_ratio),
-            config.physical_storeys(),
-            &floors(&s.physical_mass_kg),
-        )?;
-        Self::with_structure(config, &structure)
+        Self::with_structure(config, &config.frame()?)
     }
 
     /// As [`Design::new`], for a structure that is not a shear frame: `config.structure` is then only checked.
@@ -193,11 +186,6 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
             rig,
         })
     }
-}
-
-/// A list as an array, missing entries being 0. The check ensures that only masses on load cells may be missing.
-fn floors<const N: usize>(list: &PerFloor) -> [f64; N] {
-    core::array::from_fn(|j| list.get(j).copied().unwrap_or(0.0))
 }
 
 fn estimation<const N: usize>(

@@ -13,7 +13,7 @@ use crate::memory;
 use crate::numbers::{percent, si, three};
 use crate::stability::variation::Variation;
 use crate::trace::{Response, TestObserver};
-use outerloop_core::{Config, Design, GroundMotion, Method, Rig, Structure, config::Filter};
+use outerloop_core::{Config, Design, GroundMotion, Method, Rig, config::Filter};
 use plant::RigSpec;
 use plant::coupled::CoupledRigSpec;
 use std::f64::consts::TAU;
@@ -427,23 +427,13 @@ impl Experiment {
         if let Some(part) = &self.test.coupled {
             return settings::natural_frequencies_hz(&part.declared).unwrap_or_default();
         }
-        fn all<const N: usize>(config: &Config) -> Result<Vec<f64>, Failure> {
-            let s = &config.structure;
-            let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
-            let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
-            let frame = Structure::<N>::shear_frame(
-                &list(&s.mass_kg),
-                &list(&s.stiffness_n_per_m),
-                &list(&s.damping_ratio),
-                N,
-                &[0.0; N],
-            )
-            .map_err(refused)?;
-            let rad_per_s = frame.natural_frequencies_rad_per_s().map_err(refused)?;
-            Ok(rad_per_s.iter().map(|w| w / TAU).collect())
-        }
         let config = &self.test.config;
-        with_floors!(config.degrees_of_freedom(), N => all::<N>(config)).unwrap_or_default()
+        let rad_per_s = with_floors!(config.degrees_of_freedom(), N => {
+            let own = config.frame::<N>().and_then(|frame| frame.natural_frequencies_rad_per_s());
+            own.map(Vec::from).map_err(Failure::input)
+        });
+        let rad_per_s = rad_per_s.unwrap_or_default();
+        rad_per_s.iter().map(|w| w / TAU).collect()
     }
 
     /// The structure and the test in a line.

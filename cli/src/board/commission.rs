@@ -10,7 +10,7 @@ use super::setup::{Hold, ready};
 use super::standing::Standing;
 use super::trajectory::Trajectory;
 use crate::terminal::interrupt;
-use experiment::bench::Played;
+use experiment::bench::{IDLE_STEPS, Played};
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::trace::TestObserver;
@@ -23,9 +23,6 @@ use outerloop_core::{Config, Event, Fault, Mode, Record, Trip};
 
 /// Steps for which the command must stand still after the end.
 const REST_STEPS: u32 = 40;
-
-/// Steps observed before arming.
-const IDLE_STEPS: usize = 256;
 
 /// Steps by which a signal may be shorter than planned, from the start command to its end.
 const SHORT_STEPS: usize = 4;

@@ -8,8 +8,8 @@ use super::orders::{clear, done, event, started_again, status};
 use super::port::Port;
 use super::standing::Standing;
 use crate::terminal::interrupt;
-use experiment::bench::FurtherInputs;
 use experiment::bench::interface::OnBoard;
+use experiment::bench::{FurtherInputs, IDLE_STEPS};
 use experiment::failure::Failure;
 use experiment::trace::TestObserver;
 use link::Command;
@@ -20,9 +20,6 @@ use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_core::watch::Instructions;
 use outerloop_core::{Config, DirectRig, Event, Fault, Mode, Record, Rig};
-
-/// Steps before arming, in which the loop averages the readings at rest.
-const IDLE_STEPS: u64 = 256;
 
 /// Steps for which the commands must stand still after the end. The second applies where the PC knows only the first
 /// command: longer than any ramp, which takes at most 2 s.
@@ -249,7 +246,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
         operator: &Operator,
         config: &Config,
     ) -> Result<(), Failure> {
-        while self.steps < IDLE_STEPS {
+        while self.steps < IDLE_STEPS as u64 {
             self.next(board)?;
         }
         let mut asked = false;

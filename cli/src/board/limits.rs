@@ -148,17 +148,14 @@ impl PlannedMotion {
     pub fn without_board(&self, stated: &Limits) -> Limits {
         let speed = (VELOCITY_MARGIN * self.velocity_m_per_s).max(2.0 * self.approach_m_per_s);
         let has_speed = stated.increment_m.is_some() || stated.velocity_m_per_s.is_some();
+        let (peak_m, peak_n) = self.noisy_peaks();
         let noise_m = DEVIATIONS * self.noise_m;
         let late_m = 2.0 * self.velocity_m_per_s * self.delay_s;
         let stale = (self.delay_s + STALE_S) * self.rate_hz;
         Limits {
-            displacement_m: stated
-                .displacement_m
-                .or(Some(MARGIN * self.displacement_m + noise_m)),
+            displacement_m: stated.displacement_m.or(Some(peak_m)),
             velocity_m_per_s: stated.velocity_m_per_s.or((!has_speed).then_some(speed)),
-            force_n: stated
-                .force_n
-                .or(Some(MARGIN * self.force_n + DEVIATIONS * self.noise_n)),
+            force_n: stated.force_n.or(Some(peak_n)),
             tracking_m: stated
                 .tracking_m
                 .or(Some(late_m + 0.1 * self.displacement_m + noise_m)),

@@ -4,7 +4,7 @@ use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::scope::Scope;
-use experiment::bench::sample;
+use experiment::bench::{IDLE_STEPS, sample};
 use experiment::coupled::settings;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
@@ -13,8 +13,6 @@ use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Pace, Rig, Sa
 use plant::coupled::CoupledReading;
 use std::time::{Duration, Instant};
 
-/// Idle steps before arming, in which the loop averages the readings at rest.
-const IDLE_STEPS: usize = 256;
 /// A longer gap means that this process did not run: this is not the model's fault, so the simulated clock does not make
 /// up for it. Waiting for a socket may take 8 ms, however short a wait is requested.
 const GAP_S: f64 = 0.05;
@@ -34,8 +32,7 @@ pub fn simulated(
     if let Some(part) = &test.coupled {
         let declared = &part.declared;
         let design = settings::design::<2>(declared, config, declared.compensation)?;
-        let (coupler, sensors) = (&declared.coupler, &test.plant.sensors);
-        let rig = plant::coupled::CoupledRig::new(&part.rig, coupler, sensors, rate_hz, seed);
+        let rig = part.simulated(&test.plant.sensors, rate_hz, seed);
         let rig = Simulated::new(design, rig.map_err(Failure::input)?, test);
         return Ok(Box::new(Travel::new(rig, test, keep, scope)));
     }

@@ -50,13 +50,8 @@ impl Compare {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "compare.json"])?;
         let out = out.as_deref();
         let test = self.common.load_any()?;
-        let methods = match &self.compensations[..] {
-            [] => Compensation::all(test.coupled.is_some()),
-            names => {
-                let named = names.iter().map(|n| test.compensation_named(n));
-                named.collect::<Result<_, _>>()?
-            }
-        };
+        let all = Compensation::all(test.coupled.is_some());
+        let methods = test.compensations(&self.compensations, all)?;
         let experiments = self.experiments(&test)?;
         let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
         let ideals = experiments

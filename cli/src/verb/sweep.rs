@@ -128,13 +128,8 @@ impl Sweep {
         let Some((_, first)) = experiments.first() else {
             return require_all_ran(0, range.values.len());
         };
-        let methods: Vec<Compensation> = match &self.compensations[..] {
-            [] => vec![first.test.compensation()],
-            names => {
-                let named = names.iter().map(|n| first.test.compensation_named(n));
-                named.collect::<Result<_, _>>()?
-            }
-        };
+        let own = vec![first.test.compensation()];
+        let methods = first.test.compensations(&self.compensations, own)?;
         let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
         let rows = {
             let progress = Progress::over("sweep", (steps * methods.len()) as u64);

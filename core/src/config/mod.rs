@@ -11,6 +11,8 @@ pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, OwnParameters, 
 pub use rig::{PerActuator, RigConfig};
 pub use times::ActuatorTimes;
 
+use crate::refusal::Refusal;
+use crate::structure::Structure;
 use heapless::Vec;
 
 /// The largest number of degrees of freedom.
@@ -67,12 +69,33 @@ pub struct Config {
     pub rig: RigConfig,
 }
 
+/// A list as an array, missing entries being 0.
+fn floors<const N: usize>(list: &PerFloor) -> [f64; N] {
+    core::array::from_fn(|j| list.get(j).copied().unwrap_or(0.0))
+}
+
 impl Config {
     /// For how long a good transducer may stand around a turn of the motion, s: the longest delay that is declared, and 20 ms.
     pub(crate) fn standing_s(&self) -> f64 {
         let (e, c) = (&self.estimation, &self.compensation);
         let estimated_ms = e.delay_ms.longest() + e.lag_ms.longest();
         1e-3 * estimated_ms.max(c.delay_ms.longest()) + 0.02
+    }
+
+    /// The structure of the equation of motion, a shear frame; masses on load cells that are left out are 0.
+    ///
+    /// # Errors
+    /// A mass matrix that is not positive definite.
+    #[inline]
+    pub fn frame<const N: usize>(&self) -> Result<Structure<N>, Refusal> {
+        let s = &self.structure;
+        Structure::shear_frame(
+            &floors(&s.mass_kg),
+            &floors(&s.stiffness_n_per_m),
+            &floors(&s.damping_ratio),
+            self.physical_storeys(),
+            &floors(&s.physical_mass_kg),
+        )
     }
 
     /// A shear frame of `N` storeys, listed from the ground up, masses in kg, stiffnesses in N/m, damping ratios as

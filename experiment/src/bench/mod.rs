@@ -9,6 +9,6 @@ mod played;
 
 pub use self::further_inputs::FurtherInputs;
 pub use self::interface::{Bench, Ending, OnBoard};
-pub use self::plant::{Breakage, PlantBench, STANDS_STEPS, sample};
+pub use self::plant::{Breakage, IDLE_STEPS, PlantBench, STANDS_STEPS, sample};
 pub use self::play::play;
 pub use self::played::Played;

@@ -11,8 +11,8 @@ use outerloop_core::watch::Instructions;
 use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Record, Sample, flag};
 use std::time::Instant;
 
-/// Idle steps before arming: the loop averages the specimen's position.
-const IDLE_STEPS: usize = 256;
+/// Idle steps before arming: the loop averages the readings at rest.
+pub const IDLE_STEPS: usize = 256;
 
 /// Control steps for which the target must be constant after a ramp before the run ends.
 pub const STANDS_STEPS: usize = 500;
@@ -114,11 +114,9 @@ impl Bench for PlantBench<'_> {
         test: &PreparedTest<'_, N, CoupledRig>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
-        let (coupler, sensors) = (&part.declared.coupler, &self.spec.sensors);
         let rate_hz = test.config.timing.rate_hz;
-        let mut rig =
-            ::plant::coupled::CoupledRig::new(&part.rig, coupler, sensors, rate_hz, self.seed)
-                .map_err(Failure::input)?;
+        let rig = part.simulated(&self.spec.sensors, rate_hz, self.seed);
+        let mut rig = rig.map_err(Failure::input)?;
         let (ending, outer) = self.drive(test, observer, |command_m, _, _| {
             let reading = rig.step([0, 1].map(|i| command_m.get(i).copied().unwrap_or(0.0)));
             let read = (&reading.stroke_m[..], &reading.force_n[..]);

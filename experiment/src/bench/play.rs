@@ -1,5 +1,6 @@
 //! A signal on the simulated rig, in this process: core's loop follows targets instead of a structure.
 
+use super::plant::{IDLE_STEPS, sample};
 use super::played::Played;
 use crate::failure::Failure;
 use crate::files::signal::SignalPoints;
@@ -7,10 +8,7 @@ use crate::files::test::TestFile;
 use crate::floors::with_floors;
 use crate::trace::TestObserver;
 use ::plant::Rig;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};
-
-/// Idle steps before arming: the loop averages the specimen's position.
-const IDLE_STEPS: usize = 256;
+use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, config::Limits};
 
 /// Plays `signal` under `limits` on the simulated rig of `test`.
 ///
@@ -45,10 +43,8 @@ pub fn play(
         let (mut command_m, mut idle) = (0.0_f64, 0);
         loop {
             let reading = rig.step(&[command_m]);
-            let mut sample = Sample::new([0.0; N], [0.0; N]);
-            sample.displacement_m[0] = reading.displacement_m[0] as f32;
-            sample.force_n[0] = reading.force_n[0] as f32;
-            sample.fault = reading.at_rail.then_some(Fault::AdcRail);
+            let read = (&reading.displacement_m[..], &reading.force_n[..]);
+            let sample = sample(read, reading.at_rail);
             let before = outer.mode();
             if matches!(before, Mode::Running | Mode::Commissioning) {
                 match goals.next() {

@@ -1,6 +1,7 @@
 //! The channels of a test's record, with their names: `quantity_unit`, as in recorded data ([`super::recording`]), with
 //! several axes distinguished by a number after the quantity.
 
+use super::quantities::axis_number;
 use crate::coupled::interface::InterfaceTrace;
 use crate::trace::{FloorTrace, Trace};
 
@@ -45,11 +46,7 @@ type Column<'a> = (&'static str, &'static Unit, &'a [f32]);
 pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
     for (j, floor) in trace.floors.iter().enumerate() {
-        let axis = if j == 0 {
-            String::new()
-        } else {
-            (j + 1).to_string()
-        };
+        let axis = axis_number(j);
         let columns = match &trace.interface {
             None => of_floor(floor).into(),
             Some(interface) => of_coordinate(interface, floor, j),

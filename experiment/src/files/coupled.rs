@@ -1,6 +1,7 @@
 //! Records of a specimen of several coordinates: coordinate 1 of the model is axis 1 of the file, and so on.
 
 use super::measured::{self, FilePart, RecordFiles};
+use super::quantities::axis_number;
 use super::recording::{Column, SiRecording};
 use crate::failure::Failure;
 use diagnosis::{CoupledRecord, CoupledSpecimen};
@@ -57,10 +58,7 @@ fn part(
     let (start_s, end_s) = (time_s[0], time_s[time_s.len() - 1]);
     let open = |s: f64| s.is_infinite();
     if end <= first || (!open(from) && from < start_s) || (!open(to) && to > end_s + 1.0) {
-        return Err(Failure::input(format!(
-            "{}: the span {from}..{to} s is not inside the record: accepted are times from {start_s} to {end_s} s",
-            file.file
-        )));
+        return Err(measured::outside(&file.file, [from, to], [start_s, end_s]));
     }
     measured::refuse_gap(file, &(first..end))?;
     let named = |quantity: &str, names: [&str; 2], i: usize| -> Result<&Column, Failure> {
@@ -69,15 +67,10 @@ fn part(
         column
             .filter(|c| c.is_of_rotation() == rotates)
             .ok_or_else(|| {
-                let axis = if i == 0 {
-                    String::new()
-                } else {
-                    (i + 1).to_string()
-                };
                 Failure::input(format!(
                     "{}: has no column {} for coordinate {} of the model, {}",
                     file.file,
-                    names[usize::from(rotates)].replace('%', &axis),
+                    column_name(names, rotates, i),
                     i + 1,
                     specimen.coordinates[i]
                 ))
@@ -109,18 +102,17 @@ fn part(
     })
 }
 
+/// The name of coordinate `i`'s column, numbered from 0.
+fn column_name(names: [&str; 2], rotates: bool, i: usize) -> String {
+    names[usize::from(rotates)].replace('%', &axis_number(i))
+}
+
 /// A record as CSV that [`parts`] can read. Values are written in single precision.
 pub fn to_csv(specimen: &CoupledSpecimen, record: &CoupledRecord) -> String {
     let mut text = String::from("time_s");
     let mut columns: Vec<&Vec<f64>> = Vec::new();
     for i in 0..specimen.count() {
-        let axis = if i == 0 {
-            String::new()
-        } else {
-            (i + 1).to_string()
-        };
-        let name =
-            |names: [&str; 2]| names[usize::from(specimen.is_rotation(i))].replace('%', &axis);
+        let name = |names| column_name(names, specimen.is_rotation(i), i);
         if let Some(target) = &record.target {
             let _ = write!(text, ",{}", name(TARGET));
             columns.push(&target[i]);

@@ -281,7 +281,7 @@ fn inside(
 }
 
 /// The refusal of a span outside its record.
-fn outside(name: &str, [from_s, to_s]: [f64; 2], [first, last]: [f64; 2]) -> Failure {
+pub(super) fn outside(name: &str, [from_s, to_s]: [f64; 2], [first, last]: [f64; 2]) -> Failure {
     Failure::input(format!(
         "{name}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s"
     ))

@@ -62,6 +62,20 @@ pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
 /// The quantity that a name begins with; its axis and unit if the rest of the name gives both.
 pub type Known<'a> = (&'static str, &'static [UnitOf], Option<(usize, &'a str)>);
 
+/// The number of an axis in a name, from its index: none for the first.
+pub fn axis_number(index: usize) -> String {
+    match index {
+        0 => String::new(),
+        index => (index + 1).to_string(),
+    }
+}
+
+/// The units that a quantity may have.
+pub fn units_of(quantity: &str) -> &'static [UnitOf] {
+    let found = QUANTITIES.iter().find(|(name, _)| *name == quantity);
+    found.map_or(PLAIN, |(_, units)| units)
+}
+
 /// The meaning of a name in a header.
 pub fn known(name: &str) -> Option<Known<'_>> {
     // The longest matching quantity: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.

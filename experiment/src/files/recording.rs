@@ -9,7 +9,7 @@ use super::any_table;
 use super::columns::{ColumnAssignment, Columns};
 use super::header::Header;
 use super::notes;
-use super::quantities::{ANGLE, MOMENT, PLAIN, QUANTITIES, UnitOf, known};
+use super::quantities::{ANGLE, MOMENT, UnitOf, known, units_of};
 use super::table::{BadCell, NumberTable};
 use crate::failure::Failure;
 use std::ops::Range;
@@ -133,10 +133,11 @@ impl SiRecording {
     ///
     /// # Errors
     /// The first gap.
-    fn without_gaps(self) -> Result<Self, Failure> {
-        let gap = self.gap_in(&(0..self.time_s.len()));
-        gap.map_or(Ok(()), |(_, refusal)| Err(refusal.clone()))?;
-        Ok(self)
+    pub(super) fn without_gaps(self) -> Result<Self, Failure> {
+        match self.gaps.first() {
+            Some((_, refusal)) => Err(refusal.clone()),
+            None => Ok(self),
+        }
     }
 
     /// The first gap in these rows: its time, s, and its refusal.
@@ -292,11 +293,10 @@ fn assign<'a>(
             .or(numbered.map(|n: usize| n - 1))
             .map(|at| (at, a))
             .ok_or_else(|| {
-                let names: Vec<&str> = table.headers.iter().map(|h| h.text.as_str()).collect();
                 table.refuse_header(format!(
                     "has no column `{}`: accepted are {}",
                     a.column,
-                    names.join(", ")
+                    table.names()
                 ))
             })
     };
@@ -309,10 +309,7 @@ fn assigned_column(
     header: &Header,
     a: &ColumnAssignment,
 ) -> Result<(Column, f64), Failure> {
-    let units = QUANTITIES
-        .iter()
-        .find(|(quantity, _)| *quantity == a.quantity)
-        .map_or(PLAIN, |(_, units)| units);
+    let units = units_of(&a.quantity);
     let unit = a.unit.unwrap_or(&header.unit);
     match units.iter().find(|(text, _)| *text == unit) {
         Some((_, factor)) => Ok((
@@ -417,10 +414,9 @@ fn times(
 
 /// The refusal of a table without time, with how to state its column.
 fn no_time(table: &NumberTable) -> Failure {
-    let names: Vec<&str> = table.headers.iter().map(|h| h.text.as_str()).collect();
     table.refuse_header(format!(
         "has no time: accepted are time_s, time_ms, `Time (s)`, --column time=COLUMN:s, or --rate HZ; its columns are {}",
-        names.join(", ")
+        table.names()
     ))
 }
 
@@ -443,13 +439,7 @@ fn column(table: &NumberTable, header: &Header) -> Result<(Column, f64), Failure
         Some((quantity, units, None)) => Err(refuse_unit(table, header, quantity, units)),
         None => match header.likely() {
             Some(quantity) if header.unit.is_empty() && quantity != "acc" => {
-                let units = QUANTITIES.iter().find(|(q, _)| *q == quantity);
-                Err(refuse_unit(
-                    table,
-                    header,
-                    quantity,
-                    units.map_or(PLAIN, |(_, u)| u),
-                ))
+                Err(refuse_unit(table, header, quantity, units_of(quantity)))
             }
             _ => Ok((unknown(&name), 1.0)),
         },

@@ -51,10 +51,8 @@ impl SignalPoints {
     /// A file that cannot be read; no command; uneven time; a signal that does not begin and end at zero, is too long
     /// or too short, or moves nothing.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let recording = SiRecording::load_with_any_time(path, &Columns::default())?;
-        if let Some((_, refusal)) = recording.gap_in(&(0..recording.time_s.len())) {
-            return Err(refusal.clone());
-        }
+        let recording =
+            SiRecording::load_with_any_time(path, &Columns::default())?.without_gaps()?;
         let refuse = |what: String| Failure::input(format!("{}: {what}", path.display()));
         let command = recording.command_m().ok_or_else(|| {
             refuse("has no command: accepted are the columns time_s and command_mm".into())

@@ -5,7 +5,7 @@ use super::dialect::{Dialect, without_end};
 use super::header::{Header, unit_named};
 use super::labview;
 use crate::failure::Failure;
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 /// Columns of numbers. Lines that begin with `#` or `%` are comments.
 #[derive(Clone, Debug)]
@@ -97,15 +97,11 @@ impl NumberTable {
         let headers: Vec<Header> = (0..cells.len())
             .map(|j| Header::of(cells[j], beneath(j)))
             .collect();
-        let mut seen: HashMap<String, ()> = HashMap::new();
-        for h in &headers {
-            let name = h.text.to_lowercase();
-            if seen.insert(name.clone(), ()).is_some() {
-                return Err(refuse(
-                    header.number,
-                    format!("the column `{name}` stands twice"),
-                ));
-            }
+        let mut seen = HashSet::new();
+        let mut names = headers.iter().map(|h| h.text.to_lowercase());
+        if let Some(name) = names.find(|name| !seen.insert(name.clone())) {
+            let twice = format!("the column `{name}` stands twice");
+            return Err(refuse(header.number, twice));
         }
         // A segmented export repeats its header, with the units beneath, before each segment.
         let top = [Some(head.header), head.units].map(|at| at.map(|at| lines[at].text.trim_end()));
@@ -224,6 +220,12 @@ impl NumberTable {
     pub fn refuse_row(&self, row: usize, what: impl std::fmt::Display) -> Failure {
         let line = self.lines.get(row).copied().unwrap_or(0);
         Failure::input(format!("{}, {} {line}: {what}", self.file, self.row_name))
+    }
+
+    /// The names of its columns as written in the file.
+    pub fn names(&self) -> String {
+        let names: Vec<&str> = self.headers.iter().map(|h| h.text.as_str()).collect();
+        names.join(", ")
     }
 
     /// A refusal of the header.

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::floors::with_floors;
 use nalgebra::{DMatrix, DVector};
-use outerloop_core::{Config, Refusal, Structure};
+use outerloop_core::{Config, Refusal};
 
 /// Natural modes, from the lowest.
 #[derive(Clone, Debug)]
@@ -23,11 +23,7 @@ impl StructureModes {
     /// A structure that core refuses.
     pub fn of(config: &Config) -> Result<Self, Failure> {
         fn plain<const N: usize>(config: &Config) -> Result<[DMatrix<f64>; 2], Refusal> {
-            let s = &config.structure;
-            let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
-            let (m, k): ([f64; N], [f64; N]) = (list(&s.mass_kg), list(&s.stiffness_n_per_m));
-            let (z, p) = (list(&s.damping_ratio), list(&s.physical_mass_kg));
-            let frame = Structure::<N>::shear_frame(&m, &k, &z, config.physical_storeys(), &p)?;
+            let frame = config.frame::<N>()?;
             frame.natural_frequencies_rad_per_s()?;
             let matrix = |x: &[[f64; N]; N]| DMatrix::from_fn(N, N, |i, j| x[i][j]);
             Ok([matrix(&frame.mass), matrix(&frame.stiffness)])
