@@ -34,6 +34,7 @@ mod noise;
 mod outside;
 mod question;
 mod record;
+pub mod reliability;
 mod rig;
 mod size;
 

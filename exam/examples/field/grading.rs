@@ -16,6 +16,8 @@ pub struct GradedField {
     pub vouched: Vec<Vouched>,
     /// Members of a set and possible additions to sure names: the probability of each, and whether it is in the rig.
     pub open: Vec<(f64, bool)>,
+    /// True if at most one name is right: where several are, each is in the rig more often than its own probability.
+    pub one_name: bool,
     /// Held-out NRMSE before, after, and the stated floor.
     pub errors: [f64; 3],
     /// How long the diagnosis took, s; 0 if it refused.
@@ -197,6 +199,7 @@ pub fn answer(field: Field) -> GradedField {
         said,
         vouched,
         open,
+        one_name: field.truth.right.len() + field.truth.beside.len() <= 1,
         notes: found.map_or_else(|_| Vec::new(), |d| notes(&d)),
         errors,
         seconds,

@@ -230,10 +230,8 @@ fn evidence(all: &[GradedField]) {
     }
 }
 
-/// Bounds of the classes of stated probabilities.
-const STATED: [f64; 7] = [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0];
-
-/// How often names are in the rig, by their stated probability, whether in a set, beside others or for sure.
+/// How often names are in the rig, by their stated probability, whether in a set, beside others or for sure; of rigs of which
+/// at most one name is right.
 fn reliability(all: &[GradedField]) {
     let sure = |s: &GradedField| {
         s.vouched
@@ -243,23 +241,10 @@ fn reliability(all: &[GradedField]) {
     };
     let stated: Vec<(f64, bool)> = all
         .iter()
+        .filter(|s| s.one_name)
         .flat_map(|s| [sure(s), s.open.clone()].concat())
         .collect();
-    println!("\n| probability stated | names | mean of it | in the rig |\n|---|---|---|---|");
-    for ends in STATED.windows(2) {
-        let own = stated.iter().filter(|s| s.0 > ends[0] && s.0 <= ends[1]);
-        let own: Vec<&(f64, bool)> = own.collect();
-        let n = own.len().max(1) as f64;
-        let mean = own.iter().map(|s| s.0).sum::<f64>() / n;
-        let is = own.iter().filter(|s| s.1).count();
-        println!(
-            "| {} to {} | {} | {mean:.2} | {:.2} |",
-            ends[0],
-            ends[1],
-            own.len(),
-            is as f64 / n
-        );
-    }
+    println!("\n{}", exam::reliability::table(&stated));
 }
 
 /// The share of false names among those given with a `q` up to a level.

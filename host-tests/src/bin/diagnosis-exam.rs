@@ -230,6 +230,7 @@ fn show(plan: &Plan, all: &[GradedRecord], json: Option<&Path>) -> Result<(), St
     ] {
         println!("\n{}:\n{}", class.name(), report.confusion_table(class));
     }
+    println!("\n{}", report.reliability_table());
     if !report.detection.is_empty() {
         println!("\ndetection limit:\n{}", report.detection_table());
     }

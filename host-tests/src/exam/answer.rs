@@ -24,6 +24,8 @@ pub struct ChannelAnswer {
     pub effects: Vec<Effect>,
     /// Effects that explain the data equally well.
     pub alternatives: Vec<String>,
+    /// Members of a set, or names that may be there in addition, each with its probability.
+    pub members: Vec<Member>,
     /// Unit of the errors: `mm`, `N` or `1`.
     pub unit: String,
     /// Before anything was added.
@@ -40,6 +42,18 @@ pub struct Effect {
     pub name: String,
     /// Its parameters.
     pub parameters: Vec<Value>,
+    /// The probability stated for it.
+    pub p: Option<f64>,
+}
+
+/// A member of a set.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Member {
+    /// Its name.
+    pub name: String,
+    /// The probability stated for it.
+    pub p: f64,
 }
 
 /// A parameter of an effect.
@@ -86,6 +100,19 @@ impl ChannelAnswer {
         let effects = self.effects.iter().map(|e| e.name.as_str());
         effects
             .chain(self.alternatives.iter().map(String::as_str))
+            .collect()
+    }
+
+    /// Each name with the probability stated for it.
+    pub fn stated(&self) -> Vec<(&str, f64)> {
+        let effects = self
+            .effects
+            .iter()
+            .filter_map(|e| Some((e.name.as_str(), e.p?)));
+        let of_effect = |m: &&Member| self.effects.iter().any(|e| e.name == m.name);
+        let others = self.members.iter().filter(|m| !of_effect(m));
+        effects
+            .chain(others.map(|m| (m.name.as_str(), m.p)))
             .collect()
     }
 }

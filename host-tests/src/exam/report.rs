@@ -7,6 +7,7 @@ use super::tally::{Tally, estimates, median, quantile};
 use comfy_table::{Table, presets::UTF8_HORIZONTAL_ONLY};
 use exam::Class;
 use exam::aims::{self, Figure};
+use exam::reliability;
 use serde_json::{Value, json};
 
 /// A target of the exam and how it was met.
@@ -195,6 +196,12 @@ impl<'a> Report<'a> {
         table.to_string()
     }
 
+    /// How often names are hidden, by the probability stated for them, as a table in Markdown.
+    pub fn reliability_table(&self) -> String {
+        let stated = self.all.iter().flat_map(GradedRecord::stated);
+        reliability::table(&stated.collect::<Vec<_>>())
+    }
+
     /// The detection limit as a table.
     pub fn detection_table(&self) -> String {
         let mut table = table(&[
@@ -236,6 +243,7 @@ impl<'a> Report<'a> {
                     "detection_size": s.item.detection,
                     "mark": format!("{:?}", s.grade.mark).to_lowercase(),
                     "seconds": s.seconds,
+                    "stated": s.stated(),
                     "estimates": estimates(s).iter().map(|e| {
                         json!({ "name": e.name, "truth": e.truth, "value": e.value, "ci90": e.ci90 })
                     }).collect::<Vec<_>>(),

@@ -3,7 +3,8 @@
 use super::answer::Answer;
 use super::grade::{Grade, grade};
 use super::plan::Item;
-use exam::{Key, Paper, set};
+use exam::reliability::Stated;
+use exam::{ChannelKey, Key, Paper, set};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -20,6 +21,22 @@ pub struct GradedRecord {
     pub grade: Grade,
     /// Time of one core for the answer, s.
     pub seconds: f64,
+}
+
+impl GradedRecord {
+    /// The probability stated of each name, and whether that name is hidden in its channel.
+    pub fn stated(&self) -> Vec<Stated> {
+        let Ok(answer) = &self.answer else {
+            return Vec::new();
+        };
+        let of = |key: &ChannelKey| -> Vec<Stated> {
+            let is = |name: &str| key.hidden.iter().any(|h| h.name == name);
+            let channel = answer.channel(key.channel.name());
+            let stated = channel.stated();
+            stated.into_iter().map(|(name, p)| (p, is(name))).collect()
+        };
+        self.key.channels.iter().flat_map(of).collect()
+    }
 }
 
 /// Sets every record, has it answered and grades it; `done` is called with each. A record has one core to itself, so
