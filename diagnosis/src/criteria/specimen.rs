@@ -9,6 +9,8 @@ pub const CORNER: f64 = 3.5;
 pub const LEFT_AT_CORNERS: f64 = 2.0;
 /// If corners exceed this fraction of the motion, they are the motion itself.
 pub const MOST_CORNERS: f64 = 0.5;
+/// The same for held-out data, which only judge.
+pub const MOST_CORNERS_HELD_OUT: f64 = 0.75;
 
 // Stiffness lost for good.
 

@@ -2,17 +2,21 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::criteria::BAND_ROOM;
-use crate::criteria::specimen::{CORNER, LEFT_AT_CORNERS, MOST_CORNERS};
+use crate::criteria::specimen::{CORNER, LEFT_AT_CORNERS, MOST_CORNERS, MOST_CORNERS_HELD_OUT};
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::prepare::noise::above::median;
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::Recording;
 use crate::record::rest;
 use crate::record::spectrum::{Motion, motion_band_hz, smooth};
 use plant::Channel;
+use std::ops::Range;
 
-/// Number of cut-offs tried, each twice the previous one.
-const CUTOFFS: usize = 4;
+/// Cut-offs tried, over the motion's band: the higher, the less is left out.
+const CUTOFFS: [f64; 4] = [8.0, 4.0, 2.0, 1.0];
+/// Those in between, too, if corners are so frequent that they hide the noise.
+const FINE_CUTOFFS: [f64; 7] = [8.0, 5.66, 4.0, 2.83, 2.0, 1.41, 1.0];
 /// The content between a cut-off and this multiple of it tells a corner from noise.
 const ABOVE: f64 = 2.0;
 /// Periods of the cut-off to either side of a corner within which it has an effect.
@@ -50,22 +54,35 @@ impl ChannelDiagnosis<'_> {
         let bands: Vec<f64> = all().map(band).collect::<Option<_>>()?;
         let lowest = BAND_ROOM * bands.into_iter().fold(0.0, f64::max);
         let slowest_s = all().map(Recording::interval_s).fold(0.0, f64::max);
-        let ladder = (0..CUTOFFS).rev();
-        let ladder = ladder.map(|i| lowest * f64::powi(2.0, i as i32));
-        let usable = ladder.filter(|hz| *hz < MOST_RATE / slowest_s);
-        // The higher the cut-off, the less is left out.
-        let tried: Vec<_> = usable.filter_map(|hz| self.corners(hz, answer)).collect();
-        tried
-            .iter()
-            .find_map(|corners| self.without_corners(corners, answer, declared, improved))
+        let usual = CUTOFFS.map(|c| (c, NoiseOf::EachMotion));
+        let frequent = FINE_CUTOFFS.map(|c| (c, NoiseOf::QuietestPart));
+        let tried = usual.into_iter().chain(frequent);
+        let tried = tried.map(|(above, noise)| (lowest * above, noise));
+        let mut usable = tried.filter(|(hz, _)| *hz < MOST_RATE / slowest_s);
+        usable.find_map(|(hz, noise)| {
+            let corners = self.corners(hz, noise, answer)?;
+            self.without_corners(&corners, answer, declared, improved)
+        })
     }
 
     /// The corners at a cut-off; `None` if what is left does not stand there, or if there is little else.
-    fn corners(&self, hz: f64, answer: &ChannelAnswer) -> Option<[Vec<Corners>; 2]> {
-        let of = |records: &[Recording]| -> Option<Vec<Corners>> {
-            records.iter().map(|r| corners(r, hz)).collect()
+    fn corners(
+        &self,
+        hz: f64,
+        noise_of: NoiseOf,
+        answer: &ChannelAnswer,
+    ) -> Option<[Vec<Corners>; 2]> {
+        let records = [self.train, self.test];
+        let felt = records.map(|set| set.iter().map(|r| Felt::new(r, hz)).collect::<Option<_>>());
+        let [train, test]: [Option<Vec<Felt>>; 2] = felt;
+        let felt = [train?, test?];
+        let quietest = felt.iter().flatten().map(|f| f.quietest);
+        let quietest = quietest.fold(f64::INFINITY, f64::min);
+        let noise = |f: &Felt| match noise_of {
+            NoiseOf::EachMotion => f.in_motion,
+            NoiseOf::QuietestPart => quietest,
         };
-        let corners = [of(self.train)?, of(self.test)?];
+        let corners = felt.map(|set| set.iter().map(|f| f.corners(noise(f))).collect::<Vec<_>>());
         let [learned, judged] = [0, 1].map(|i| {
             left(
                 &corners[i],
@@ -74,7 +91,9 @@ impl ChannelDiagnosis<'_> {
             )
         });
         let stands = learned.at_corners > LEFT_AT_CORNERS * learned.elsewhere;
-        let few = learned.share > 0.0 && learned.share.max(judged.share) < MOST_CORNERS;
+        let few = learned.share > 0.0
+            && learned.share < MOST_CORNERS
+            && judged.share < MOST_CORNERS_HELD_OUT;
         (stands && few).then_some(corners)
     }
 
@@ -133,25 +152,63 @@ fn left(corners: &[Corners], records: &[Recording], residuals: &[Vec<f64>]) -> L
     }
 }
 
-/// Samples of the motion near which the acceleration between a cut-off and a multiple of it is more than noise.
-fn corners(r: &Recording, hz: f64) -> Option<Corners> {
-    let clean = without_hum(r.displacement_mm.as_ref()?, r);
-    let below = |hz: f64| -> Motion { smooth(&clean, r.interval_s(), hz) };
-    let (low, high) = (below(hz), below(ABOVE * hz));
-    let moving = rest::moving(r);
-    let felt = |i: usize| (high.a[i] - low.a[i]).abs();
-    let mut sizes: Vec<f64> = moving.clone().map(felt).collect();
-    let middle = sizes.len() / 2;
-    // The median of normal noise is 0.67 of its rms.
-    let noise = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745;
-    let width = (FELT / (hz * r.interval_s())) as usize;
-    let mut corners = vec![false; r.time_s.len()];
-    for i in moving.clone().filter(|i| felt(*i) > CORNER * noise) {
-        let end = (i + width + 1).min(moving.end);
-        let first = i.saturating_sub(width).max(moving.start);
-        corners[first..end].fill(true);
+/// The noise that a corner exceeds.
+#[derive(Clone, Copy)]
+enum NoiseOf {
+    /// Of each record's motion.
+    EachMotion,
+    /// Of the quietest part of all records, a rest too: they have one transducer, and where most of a motion is near corners
+    /// the median is their size.
+    QuietestPart,
+}
+
+/// A record's acceleration between a cut-off and a multiple of it.
+struct Felt {
+    sizes: Vec<f64>,
+    moving: Range<usize>,
+    /// Rms of its noise, from the median, while the record moves.
+    in_motion: f64,
+    /// The same, of the quietest of motion and rests.
+    quietest: f64,
+    /// Samples to either side of a corner within which it has an effect.
+    width: usize,
+}
+
+impl Felt {
+    fn new(r: &Recording, hz: f64) -> Option<Self> {
+        let clean = without_hum(r.displacement_mm.as_ref()?, r);
+        let below = |hz: f64| -> Motion { smooth(&clean, r.interval_s(), hz) };
+        let (low, high) = (below(hz), below(ABOVE * hz));
+        let difference = high
+            .a
+            .iter()
+            .zip(&low.a)
+            .map(|(high, low)| (high - low).abs());
+        let sizes: Vec<f64> = difference.collect();
+        // The median of normal noise is 0.67 of its rms.
+        let noise = |part: Range<usize>| median(&sizes[part]) / 0.6745;
+        let in_motion = noise(rest::moving(r));
+        let rests = rest::spans(r).into_iter().map(|(from, to)| noise(from..to));
+        Some(Self {
+            in_motion,
+            quietest: rests.fold(in_motion, f64::min),
+            moving: rest::moving(r),
+            width: (FELT / (hz * r.interval_s())) as usize,
+            sizes,
+        })
     }
-    Some(corners)
+
+    /// Samples of the motion near which it is more than this noise.
+    fn corners(&self, noise: f64) -> Corners {
+        let mut corners = vec![false; self.sizes.len()];
+        let moving = self.moving.clone();
+        for i in moving.clone().filter(|i| self.sizes[*i] > CORNER * noise) {
+            let end = (i + self.width + 1).min(moving.end);
+            let first = i.saturating_sub(self.width).max(moving.start);
+            corners[first..end].fill(true);
+        }
+        corners
+    }
 }
 
 /// Records whose corners count as not measured.

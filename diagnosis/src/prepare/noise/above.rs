@@ -134,7 +134,7 @@ fn quieten(
     }
 }
 
-fn median(x: &[f64]) -> f64 {
+pub fn median(x: &[f64]) -> f64 {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]
