@@ -38,6 +38,10 @@ pub const EXPONENTS: [f64; 2] = [0.25, 1.25];
 /// Exponent of friction in series with a spring below which it is a damper: 1 is Maxwell's, its reciprocal is the
 /// damper's own, as in [`EXPONENTS`]: fluid dampers have 0.3 to 1 (Symans and Constantinou, 1998).
 pub const RELAXES: f64 = 1.0 / EXPONENTS[0];
+/// Relaxation of a damper's own oil and clevises, relative to the time for half of the motion's range: a fluid damper
+/// relaxes in 6 ms (Constantinou and Symans, 1993), a quarter of what a motion of 6 Hz takes. Slower than that, it is a
+/// dashpot behind a spring.
+pub const GIVES: f64 = 0.25;
 /// A force that saturates below this fraction of the top speed is friction.
 pub const FRICTION_SPEED: f64 = 0.08;
 

@@ -3,7 +3,8 @@
 use super::element::{Element, Law};
 use super::track::MotionScales;
 use crate::criteria::{
-    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, RELAXES,
+    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, GIVES, MAY_BE_BRISTLES, MAY_BE_FRICTION,
+    RELAXES,
 };
 use plant::Effect;
 
@@ -50,11 +51,11 @@ impl Element {
         }
     }
 
-    /// True if the motion cannot tell it from a dashpot: a force nearly proportional to speed, or a dashpot behind a
-    /// spring that gives way within less than the time for half of the motion's range.
+    /// True if a dashpot may be its cause: a force nearly proportional to speed, or a dashpot behind a spring that gives
+    /// as little as a damper's own oil and clevises do.
     pub fn is_dashpot(&self, sizes: &MotionScales) -> bool {
         match self.law {
-            Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
+            Law::Relaxing => self.shape[0] < GIVES * sizes.x / sizes.v,
             Law::InSeries => self.relaxes() && self.shape[0] < MAY_BE_FRICTION * sizes.x,
             _ => self.name(sizes, 1.0) == Effect::ViscousDamping,
         }
