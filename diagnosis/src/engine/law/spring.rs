@@ -16,6 +16,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
             3.5,
             [-0.5, -0.25, 0.0, 0.25, 0.5].map(|p| [c + p * x, 0.0, 0.0, 0.0]),
         ),
+        Row::element(Law::Away, 3.5, [[0.0, 0.1 * x, 0.0, 0.0]]),
         Row::element(Law::Square, 4.0, [[0.0; 4]]),
     ];
     let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();

@@ -36,7 +36,7 @@ pub enum Law {
     /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s, and how much it warms by its own
     /// motion, were that always at its end, over how much with time].
     Warming,
-    /// `|x - place|` [place mm].
+    /// `|x - place|`, rounded within a width if that is not 0 [place mm, width mm].
     Away,
     /// `x^2`.
     Square,
@@ -124,7 +124,7 @@ impl Element {
                 let warm = warm.map(|(with_time, own)| with_time + own).collect();
                 times(warm, x, &|x| x)
             }
-            Law::Away => of_x(&|x| (x - p).abs()),
+            Law::Away => of_x(&|x| laws::rounded(x - p, q)),
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
             Law::Beyond => {

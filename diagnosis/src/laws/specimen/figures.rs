@@ -143,10 +143,16 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
             ("exponent", "", p),
         ],
         // From the secant stiffness on one side to that on the other.
-        Law::Away => vec![
-            ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
-            ("middle_mm", "mm", p),
-        ],
+        Law::Away => {
+            let mut all = vec![
+                ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
+                ("middle_mm", "mm", p),
+            ];
+            if q > 0.0 {
+                all.push(("width_mm", "mm", q));
+            }
+            all
+        }
         Law::Square => vec![
             ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
             reference,

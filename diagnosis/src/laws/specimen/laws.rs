@@ -26,6 +26,15 @@ pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
     sum
 }
 
+/// The size of `x`, rounded within `width`: its slope passes from -1 to 1 as `tanh(x / width)`.
+pub fn rounded(x: f64, width: f64) -> f64 {
+    let way = x.abs();
+    if width == 0.0 {
+        return way;
+    }
+    way + width * ((-2.0 * way / width).exp().ln_1p() - std::f64::consts::LN_2)
+}
+
 fn power(z: f64, n: f64) -> f64 {
     if n == 1.0 {
         z.abs()
@@ -80,6 +89,15 @@ pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rounded_size_is_a_parabola_inside_its_width_and_the_size_less_a_constant_outside() {
+        let (width, step) = (0.5, 1e-4);
+        let slope = |x: f64| (rounded(x + step, width) - rounded(x - step, width)) / (2.0 * step);
+        assert!((slope(0.3) - (0.3f64 / width).tanh()).abs() < 1e-6);
+        assert!((slope(-5.0) + 1.0).abs() < 1e-6 && rounded(0.0, width).abs() < 1e-15);
+        assert_eq!(rounded(-2.0, 0.0), 2.0);
+    }
     use crate::numbers::operators::relaxed;
 
     fn sine(n: usize) -> Vec<f64> {

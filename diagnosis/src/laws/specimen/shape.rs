@@ -46,6 +46,7 @@ impl Element {
             Law::Beyond if self.shape[3] > 0.0 => &[(0, Straight), (3, Log)],
             Law::Beyond => &[(0, Straight)],
             Law::Warming if self.shape[1] > 0.0 => &[(0, Log), (1, Log)],
+            Law::Away if self.shape[1] > 0.0 => &[(0, Straight), (1, Log)],
             Law::Away | Law::Warming => &[],
             Law::Square | Law::SizeOfSpeed => &[],
         }
@@ -99,6 +100,10 @@ impl Element {
             // Less damping is only the corner response of a motion without its noise.
             Law::Beyond if s > 0.0 && !(0.05..3.0).contains(&(s * sizes.v / x)) => false,
             Law::Beyond => (p - sizes.middle).abs() < 0.9 * x,
+            // Narrower, it is a corner; wider, a square.
+            Law::Away if q > 0.0 => {
+                (p - sizes.middle).abs() < 0.9 * x && (0.01 * x..0.5 * x).contains(&q)
+            }
             Law::Away | Law::Square | Law::SizeOfSpeed => true,
         }
     }
