@@ -1,6 +1,7 @@
 //! An actuator's channel for the engine: simulated parts of the path from command to displacement, and declared
 //! parameters that leave their tolerances.
 
+use super::OTHER_NAME;
 use super::asked::{Asked, Found, OfOneName};
 use super::beam::{Beam, Scored, Width};
 use super::posterior::Candidate;
@@ -169,14 +170,39 @@ pub fn actuator(
     judged.par_iter_mut().for_each(|f| judge.know_order(f));
     let enough = judged.clone();
     judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
-    let candidates = judged.into_iter().map(|model| Candidate {
-        names: model.names(),
-        nameless: model.sags(),
-        only_family: false,
-        evidence: model.evidence,
-        model,
-    });
+    let candidates = judged.into_iter().flat_map(candidates);
     Some(Found::of(candidates.collect(), declared, averages.told))
+}
+
+/// A model under each of the names that its parts may have.
+fn candidates(model: ActuatorModelFit) -> Vec<Candidate<ActuatorModelFit>> {
+    let own = model.names();
+    let mut names = vec![own.clone()];
+    let parts = model.named.parts.iter();
+    let other = parts.filter_map(|p| Some((p.effect()?, p.other_name()?)));
+    for (name, other) in other {
+        let mut own: Vec<Effect> = own
+            .iter()
+            .map(|n| if *n == name { other } else { *n })
+            .collect();
+        own.sort_by_key(|n| *n as usize);
+        own.dedup();
+        names.push(own);
+    }
+    let of = |names: Vec<Effect>| {
+        let mut evidence = model.evidence;
+        if names != own {
+            evidence.price += OTHER_NAME;
+        }
+        Candidate {
+            names,
+            nameless: model.sags(),
+            only_family: false,
+            evidence,
+            model: model.clone(),
+        }
+    };
+    names.into_iter().map(of).collect()
 }
 
 /// One model per name accepted by `wanted`, with one part or parameter besides the declared ones, and its rms residual

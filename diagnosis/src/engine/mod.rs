@@ -192,7 +192,7 @@ pub fn trust(evidence: &score::Evidence) -> f64 {
 }
 
 /// Cost of a force's other name, nats: the shape slightly favours its own name.
-const OTHER_NAME: f64 = 0.4;
+pub const OTHER_NAME: f64 = 0.4;
 
 /// A spring whose declared stiffness is wrong by more than this multiple of what it stiffens may be one read by a scale that
 /// is wrong.
@@ -217,21 +217,25 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
         .map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
     let kg = fit.declared[2] - data.declared_values()[2];
     let stiffer = fit.declared[0] - data.declared_values()[0];
-    // A scale that is wrong and bends a little.
+    // A scale that is wrong, or a frame that gives way, and bends a little.
     let bends = |i: usize| {
         let row = &data.rows[fit.terms[i].row];
-        row.is_power_of_place() && row.frees == Some(0) && stiffer / fit.strengths[i][0] > BENDS
+        row.is_spring() && row.frees == Some(0) && (stiffer / fit.strengths[i][0]).abs() > BENDS
     };
     for i in 0..fit.terms.len() {
         let also = match fit.names[i] {
             // Damping and mass, which a clip would also limit, tell it from a spring that softens.
-            Effect::Saturation if has_only(0) => Some(Effect::Softening),
+            Effect::Saturation if has_only(0) => vec![Effect::Softening],
             // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
-            Effect::ChannelSkew if late && has_only(1) => Some(Effect::MaxwellDamper),
-            Effect::Hardening | Effect::Softening if bends(i) => Some(Effect::GainError),
-            Effect::InertiaForce if kg.abs() < kg_of_a_filter => Some(Effect::ChannelSkew),
-            name if name.entry().family == Family::Friction => early,
-            _ => None,
+            Effect::ChannelSkew if late && has_only(1) => vec![Effect::MaxwellDamper],
+            // A frame whose joints close gives way more at first.
+            Effect::Hardening if bends(i) && stiffer < 0.0 => {
+                vec![Effect::GainError, Effect::RigCompliance]
+            }
+            Effect::Hardening | Effect::Softening if bends(i) => vec![Effect::GainError],
+            Effect::InertiaForce if kg.abs() < kg_of_a_filter => vec![Effect::ChannelSkew],
+            name if name.entry().family == Family::Friction => Vec::from_iter(early),
+            _ => Vec::new(),
         };
         let known = all.clone();
         for other in other(i).into_iter().chain(also) {

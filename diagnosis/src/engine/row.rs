@@ -129,9 +129,9 @@ impl Row {
         }
     }
 
-    /// True if it is a spring whose force grows with another power of the displacement.
-    pub fn is_power_of_place(&self) -> bool {
-        matches!(self.form, Form::Element(Law::PowerOfPlace))
+    /// True if it is a spring whose stiffness depends on the displacement.
+    pub fn is_spring(&self) -> bool {
+        matches!(self.form, Form::Element(Law::PowerOfPlace | Law::Beyond))
     }
 
     /// True if it can only be named by family: something beyond such a name remains.

@@ -37,6 +37,12 @@ pub fn dead_zone(x: &[f64], [width, round, middle]: [f64; 3]) -> impl Iterator<I
     x.iter().map(passes)
 }
 
+/// The signal between two stops, with corners rounded over `round` to either side.
+pub fn stopped(x: &[f64], [low, high, round]: [f64; 3]) -> Vec<f64> {
+    let held = |x: &f64| x - beyond(x - high, round) + beyond(low - x, round);
+    x.iter().map(held).collect()
+}
+
 /// The excess over zero, with a corner that a parabola rounds over `round` to either side.
 fn beyond(x: f64, round: f64) -> f64 {
     if x.abs() < round {

@@ -125,10 +125,16 @@ fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'stati
         PartKind::DeadBand => {
             vec![("width_mm", width), ("middle_mm", b * gain + offset)]
         }
-        PartKind::Stops => vec![
-            ("lower_mm", a * gain + offset),
-            ("upper_mm", b * gain + offset),
-        ],
+        PartKind::Stops => {
+            let mut all = vec![
+                ("lower_mm", a * gain + offset),
+                ("upper_mm", b * gain + offset),
+            ];
+            if c > 0.0 {
+                all.push(("rounding_mm", c * gain.abs()));
+            }
+            all
+        }
         PartKind::Friction if b == 0.0 => {
             vec![("error_mm", strength), ("presliding_mm", width)]
         }

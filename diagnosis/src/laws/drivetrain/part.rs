@@ -32,7 +32,7 @@ pub enum PartKind {
     Play,
     /// No response to commands within a band: its width and its middle, mm.
     DeadBand,
-    /// Stops of the displacement: the lower and the upper, mm.
+    /// Stops of the displacement: the lower, the upper, and how far their corners are rounded, mm.
     Stops,
     /// Dry friction in the drive: its elastic give, mm, and how round it turns over, see [`dahl`]; its strength is an
     /// amplitude.
@@ -253,9 +253,9 @@ impl PartKind {
     /// Number of its shapes.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::DeadBand | Self::Stops | Self::Friction | Self::Seal | Self::Sag => 2,
+            Self::DeadBand | Self::Friction | Self::Seal | Self::Sag => 2,
             Self::GainDrift => 2,
-            Self::OilColumn => 3,
+            Self::OilColumn | Self::Stops => 3,
             Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
             _ => 1,
@@ -279,6 +279,7 @@ impl PartKind {
             (Self::Sag, _) => [0.1, 1.0],
             (Self::DeadBand, 1) => [-0.5 * s.x_mm, 0.5 * s.x_mm],
             (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
+            (Self::Stops, 2) => [0.0, 0.3 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
             (Self::Friction, 0) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
             (Self::Friction, _) => [0.0, 1.0],
@@ -315,6 +316,9 @@ impl PartKind {
     }
 }
 
+/// Damping ratio from which nothing rings: two lags in series have 1 or more.
+const RINGS: f64 = 0.95;
+
 /// Ratio of friction at rest to that in motion below which it is plain friction.
 const STICKS: f64 = 1.05;
 
@@ -325,6 +329,12 @@ impl Part {
             PartKind::StickySeal if self.shapes[2] < STICKS => Some(Effect::CoulombFriction),
             kind => kind.effect(),
         }
+    }
+
+    /// The other name of the same response: a resonance that does not ring may be a lag.
+    pub fn other_name(&self) -> Option<Effect> {
+        let lags = self.kind == PartKind::OilColumn && self.shapes[1] > RINGS;
+        lags.then_some(Effect::SecondLag)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
 use super::part::{Part, PartKind};
-use crate::numbers::operators::{dahl, dead_zone, heated, play};
+use crate::numbers::operators::{dahl, dead_zone, heated, play, stopped};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
 /// A record as used by the search; what precedes its first judged sample only sets the state.
@@ -63,8 +63,8 @@ impl SignalPath {
             }
         }
         for part in self.parts.iter().filter(|p| p.kind == PartKind::Stops) {
-            let [low, high, ..] = part.shapes;
-            y.iter_mut().for_each(|y| *y = y.min(high).max(low));
+            let [low, high, round, _] = part.shapes;
+            y = stopped(&y, [low, high, round]);
         }
         let own = |part: &Part| -> Option<Vec<f64>> {
             let [a, b, ..] = part.shapes;

@@ -161,10 +161,16 @@ pub const FORMS: &[Known] = &[
         stage: Some(|y, p, k| resonant(y, p[0], [p[1], p[2]], k.step_s)),
         ..STAGE
     },
-    // Stops: the lower and the upper, mm.
+    // Stops: the lower, the upper, and how far their corners are rounded, mm.
     Known {
         effect: Effect::Saturation,
-        stage: Some(|y, p, _| y.iter().map(|y| y.min(p[1]).max(p[0])).collect()),
+        stage: Some(|y, p, _| op::stopped(y, [p[0], p[1], p[2]])),
+        ..STAGE
+    },
+    // The same with sharp corners.
+    Known {
+        effect: Effect::Saturation,
+        stage: Some(|y, p, _| op::stopped(y, [p[0], p[1], 0.0])),
         ..STAGE
     },
     // A dead band: its width and its middle, mm.

@@ -16,7 +16,7 @@ pub fn forms(channel: Channel) -> &'static [Form] {
     }
 }
 
-const OF_AN_ACTUATOR: [Form; 12] = [
+const OF_AN_ACTUATOR: [Form; 13] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::AsymmetricActuator, &["flow_difference"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
@@ -26,6 +26,7 @@ const OF_AN_ACTUATOR: [Form; 12] = [
         Effect::OilColumn,
         &["frequency_hz", "damping_ratio", "damping_s_per_mm"],
     ),
+    (Effect::Saturation, &["lower_mm", "upper_mm", "rounding_mm"]),
     (Effect::Saturation, &["lower_mm", "upper_mm"]),
     (Effect::DeadBand, &["width_mm", "middle_mm"]),
     (
