@@ -297,10 +297,12 @@ impl ChannelDiagnosis<'_> {
         if is_set {
             let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
             answer.members = names.iter().map(member).collect();
-            answer.alternatives = names[1..].iter().map(|s| s.0).collect();
             answer
                 .effects
                 .retain(|e| names.iter().any(|s| s.0 == e.name));
+            let given = |name: &Effect| answer.effects.iter().any(|e| e.name == *name);
+            let others = names.iter().map(|s| s.0).filter(|n| !given(n));
+            answer.alternatives = others.collect();
             answer.verdict = Verdict::Ambiguous;
         } else {
             let felt = answer.noise_floor_rms;
