@@ -2,9 +2,10 @@
 //! `diagnosis-exam`; the bounds here are what no change may lose.
 
 use exam::effect::LIST;
+use exam::reliability::{Stated, classes};
 use exam::{Channel, Class};
 use host_tests::exam::plan::{Item, TUNING};
-use host_tests::exam::run::run_exam;
+use host_tests::exam::run::{GradedRecord, run_exam};
 use host_tests::exam::tally::{Tally, estimates, median, said};
 use host_tests::exam::{Mark, Plan, examinee};
 
@@ -60,6 +61,12 @@ fn the_diagnosis_passes_a_quick_exam() {
         changed > 60 && worse == 0,
         "{worse} of {changed} made worse"
     );
+    // No class of stated probabilities promises more than chance would forgive.
+    let stated: Vec<Stated> = all.iter().flat_map(GradedRecord::stated).collect();
+    for c in classes(&stated).iter().filter(|c| c.names >= 20) {
+        let scatter = (c.stated * (1.0 - c.stated) / c.names as f64).sqrt();
+        assert!(c.is > c.stated - 3.0 * scatter, "{c:?}");
+    }
 }
 
 /// The same curve under two names: a gap or a limit with round corners, and a spring that hardens or softens.
@@ -114,6 +121,29 @@ fn a_hum_a_mass_at_corners_and_two_springs_are_named_down_to_the_noise() {
     for s in &all {
         assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
     }
+}
+
+/// A dashpot behind a brace; a stiffness that passes smoothly from one side to the other; limits with rounded ends of an
+/// actuator; a sound specimen behind an actuator whose play or limits make corners.
+#[test]
+fn laws_between_two_names_and_sound_specimens_behind_corners_are_exact() {
+    let ids = [
+        "matched-7200030",
+        "unseen-7200034",
+        "unseen-7200074",
+        "unseen-7300065",
+        "unseen-7300105",
+        "two-8400022",
+    ];
+    let items = ids.map(|id| Item::from_id(id).unwrap());
+    let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    for s in &all {
+        assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
+    }
+    // A frame that gives way more at first may be a scale that is wrong, and is no stiffening spring alone.
+    let item = Item::from_id("unseen-7200250").unwrap();
+    let frame = run_exam(&[item], |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    assert_eq!(frame[0].grade.mark, Mark::Set, "{}", said(&frame[0]));
 }
 
 /// An oil column damped by orifices, friction of bristles, gains that follow the heat of the motion, a drift in a record whose

@@ -1,9 +1,12 @@
 //! Textbook causes that a more flexible name fits as well: it is not given alone.
 #![allow(missing_docs)]
 
+mod corners;
+mod neighbours;
+#[path = "../spring/mod.rs"]
 mod spring;
 
-use diagnosis::{ChannelAnswer, Declared, Diagnosis, Model, Recording, Verdict, diagnose};
+use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict, diagnose};
 use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -251,67 +254,6 @@ fn where_the_way_grows_as_time_does_a_tired_spring_may_be_a_gain_that_drifts() {
         .iter()
         .any(|n| n.contains("Pauses, or cycles of another size"));
     assert!(told, "{:?}", a.notes);
-}
-
-/// Back and forth at one speed, 10 mm either way, by an actuator that rounds its corners within 8 ms.
-fn triangle(seconds: f64) -> Vec<f64> {
-    let mut at = 0.0;
-    let to = |i: usize| {
-        let phase = (0.35 * i as f64 * H + 0.25).fract();
-        at += H / 8e-3 * (10.0 * (1.0 - 4.0 * (phase - 0.5).abs()) - at);
-        at
-    };
-    (0..(seconds / H) as usize).map(to).collect()
-}
-
-#[test]
-fn what_a_mass_feels_at_corners_of_the_motion_is_no_unknown_and_friction_beside_it_is_not_lost() {
-    let x = triangle(40.0);
-    let mass_kg = 400.0;
-    let acceleration = |i: usize| {
-        let [a, b] = [i.saturating_sub(1), (i + 1).min(x.len() - 1)];
-        (x[a] + x[b] - 2.0 * x[i]) / (H * H)
-    };
-    let inertia: Vec<f64> = (0..x.len())
-        .map(|i| 1e-3 * mass_kg * acceleration(i))
-        .collect();
-    let mut model = declared();
-    model.specimen.as_mut().expect("a specimen").mass_kg = Some(Declared {
-        value: mass_kg,
-        tolerance: 20.0,
-    });
-    let asked = |more: &[f64]| {
-        let [train, test] = recorded(&x, more);
-        let found = diagnose(&model, &[train], &[test], &[]).expect("an answer");
-        found.channels.into_iter().next().expect("the specimen")
-    };
-    let clean = asked(&inertia);
-    assert_eq!(clean.verdict, Verdict::None, "{}", said(&clean));
-    let told = clean
-        .notes
-        .iter()
-        .any(|n| n.contains("corners of the motion"));
-    assert!(told, "{:?}", clean.notes);
-    let both: Vec<f64> = friction(&x, 300.0)
-        .iter()
-        .zip(&inertia)
-        .map(|(f, i)| f + i)
-        .collect();
-    let rubs = asked(&both);
-    assert_ne!(rubs.verdict, Verdict::None, "{}", said(&rubs));
-    // Nor is it lost where the load cell is off within its tolerance, so that a rest is not at zero.
-    model.specimen.as_mut().expect("a specimen").offset_n = Some(Declared {
-        value: 0.0,
-        tolerance: 200.0,
-    });
-    let rest = vec![0.0; (3.0 / H) as usize];
-    let x = [&rest[..], &x, &rest].concat();
-    let off: Vec<f64> = [&rest[..], &both, &rest].concat();
-    let off: Vec<f64> = off.iter().map(|f| f + 300.0).collect();
-    let [train, test] = recorded(&x, &off);
-    let found = diagnose(&model, &[train], &[test], &[]).expect("an answer");
-    let rubs = &found.channels[0];
-    assert_ne!(rubs.verdict, Verdict::None, "{}", said(rubs));
 }
 
 /// What a spring loses behind a gap of a width whose corners are round.
