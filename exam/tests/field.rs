@@ -56,6 +56,7 @@ fn each_cause_once_gets_no_wrong_name_and_no_refusal() {
     // Members of a set with a probability above one half are mostly in the rig.
     let likely: Vec<bool> = all
         .iter()
+        .filter(|s| s.one_name)
         .flat_map(|s| &s.open)
         .filter_map(|&(p, is)| (p > 0.5).then_some(is))
         .collect();

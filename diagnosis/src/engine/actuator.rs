@@ -1,10 +1,9 @@
 //! An actuator's channel for the engine: simulated parts of the path from command to displacement, and declared
 //! parameters that leave their tolerances.
 
-use super::OTHER_NAME;
 use super::asked::{Asked, Found, OfOneName};
 use super::beam::{Beam, Scored, Width};
-use super::posterior::Candidate;
+use super::posterior::{Candidate, OTHER_NAME};
 use super::score::{BLOCKS, Evidence, KnownNoise, Score, raised};
 use super::verdict::LACKS;
 use crate::criteria::POSITION_LOOP;

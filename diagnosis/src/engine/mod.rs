@@ -191,9 +191,6 @@ pub fn trust(evidence: &score::Evidence) -> f64 {
     1.0 - share
 }
 
-/// Cost of a force's other name, nats: the shape slightly favours its own name.
-pub const OTHER_NAME: f64 = 0.4;
-
 /// A spring whose declared stiffness is wrong by more than this multiple of what it stiffens may be one read by a scale that
 /// is wrong.
 const BENDS: f64 = 3.0;
@@ -249,7 +246,7 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
     let of = |own: Vec<Effect>| {
         let mut evidence = fit.evidence;
         if own != fit.names {
-            evidence.price += OTHER_NAME;
+            evidence.price += posterior::OTHER_NAME;
         }
         let mut names = own.clone();
         names.sort_by_key(|n| *n as usize);

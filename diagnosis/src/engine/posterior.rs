@@ -3,6 +3,9 @@
 use super::score::Evidence;
 use plant::{Effect, Family};
 
+/// Cost of the other name of a force or a response, nats: the shape slightly favours its own name.
+pub const OTHER_NAME: f64 = 0.4;
+
 /// Something that may be missing from a model.
 pub trait Name: Copy + Eq {
     /// Its index in the list of all names.

@@ -62,6 +62,7 @@ fn naming(names: &[&str]) -> ChannelAnswer {
             .map(|n| Effect {
                 name: (*n).into(),
                 parameters: vec![],
+                p: None,
             })
             .collect(),
         ..Default::default()
