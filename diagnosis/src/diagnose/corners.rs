@@ -61,7 +61,7 @@ impl ChannelDiagnosis<'_> {
         let mut usable = tried.filter(|(hz, _)| *hz < MOST_RATE / slowest_s);
         usable.find_map(|(hz, noise)| {
             let corners = self.corners(hz, noise, answer)?;
-            self.without_corners(&corners, answer, declared, improved)
+            self.without_corners(&corners, noise, answer, declared, improved)
         })
     }
 
@@ -100,6 +100,7 @@ impl ChannelDiagnosis<'_> {
     fn without_corners(
         &self,
         [in_train, in_test]: &[Vec<Corners>; 2],
+        noise: NoiseOf,
         answer: &mut ChannelAnswer,
         declared: &Model,
         improved: &mut Model,
@@ -117,7 +118,9 @@ impl ChannelDiagnosis<'_> {
         smooth.check_none_on_held_out(&mut beside);
         // Names that only corners speak for are not replaced by none.
         let nothing = beside.verdict == Verdict::None && answer.verdict == Verdict::Unknown;
-        if !nothing && beside.verdict != Verdict::Effect {
+        // Between frequent corners too little of the motion is left for a name.
+        let named = beside.verdict == Verdict::Effect && noise == NoiseOf::EachMotion;
+        if !nothing && !named {
             return None;
         }
         let share = left(in_train, self.train, &answer.residuals[0]).share;
@@ -153,7 +156,7 @@ fn left(corners: &[Corners], records: &[Recording], residuals: &[Vec<f64>]) -> L
 }
 
 /// The noise that a corner exceeds.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum NoiseOf {
     /// Of each record's motion.
     EachMotion,
