@@ -344,21 +344,3 @@ fn a_limit_with_rounded_corners_is_a_limit_and_is_found_to_the_noise() {
     let limit = figure(&a, "limit_mm");
     assert!((limit - 7.0).abs() < 0.1, "{limit}");
 }
-
-/// A controller with two equal lags: no oil rings there.
-#[test]
-fn two_lags_in_series_are_not_only_said_to_be_the_oil() {
-    let make = |seed| {
-        let (mut a, mut b) = (0.0, 0.0);
-        let keep = (-H / 0.009_f64).exp();
-        record(seed, 10.0, plain, move |x| {
-            a = x + (a - x) * keep;
-            b = a + (b - a) * keep;
-            b
-        })
-    };
-    let (a, _) = asked(make);
-    let names = a.effects.iter().map(|e| e.name);
-    let all: Vec<Effect> = names.chain(a.alternatives.iter().copied()).collect();
-    assert!(all.contains(&Effect::SecondLag), "{all:?} {:?}", a.notes);
-}

@@ -5,7 +5,7 @@ use crate::criteria::BAND_ROOM;
 use crate::criteria::specimen::{CORNER, LEFT_AT_CORNERS, MOST_CORNERS, MOST_CORNERS_HELD_OUT};
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, Verdict};
-use crate::prepare::noise::above::median;
+use crate::numbers::signals::median;
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::Recording;
 use crate::record::rest;

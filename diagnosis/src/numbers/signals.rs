@@ -211,6 +211,13 @@ pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
+/// Median of values of which there is at least one; the upper one of two in the middle.
+pub fn median(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}
+
 /// Standard deviation.
 pub fn deviation(x: &[f64]) -> f64 {
     let mean = mean(x);

@@ -1,6 +1,6 @@
 //! The noise floor, from rests or from above the motion's band: a whitening filter and the noise level.
 
-pub mod above;
+mod above;
 pub mod hum;
 pub mod neighbours;
 mod quiet;

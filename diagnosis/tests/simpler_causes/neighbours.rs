@@ -1,4 +1,4 @@
-//! Laws between two names: a frame or a stiffer spring, a damper's own oil or its brace, a corner or a bend.
+//! Laws between two names: a frame or a stiffer spring, a damper's own oil or its brace.
 
 use super::spring::STIFFNESS_N_PER_MM;
 use super::{H, asked, between_rests, is_held_possible, said, shaken, speed};
@@ -28,21 +28,6 @@ fn a_frame_that_gives_way_more_at_first_is_not_only_said_to_be_a_spring_that_sti
     let a = asked(&x, &stiffens);
     assert!(is_held_possible(&a, Effect::Hardening), "{}", said(&a));
     assert!(!is_held_possible(&a, Effect::RigCompliance), "{}", said(&a));
-}
-
-/// The stiffness passes from one side's to the other's as an arc tangent.
-#[test]
-fn a_stiffness_that_passes_from_one_side_to_the_other_is_asymmetric_and_nothing_else() {
-    let x = moved();
-    let width = 0.8;
-    let force = |x: &f64| {
-        let bend = x * (x / width).atan() - 0.5 * width * (1.0 + (x / width).powi(2)).ln();
-        80.0 * bend
-    };
-    let a = asked(&x, &x.iter().map(force).collect::<Vec<_>>());
-    let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
-    assert_eq!(names, [Effect::AsymmetricStiffness], "{}", said(&a));
-    assert!(a.alternatives.is_empty(), "{}", said(&a));
 }
 
 /// A dashpot that relaxes: `f' = k (v - f / c)`.

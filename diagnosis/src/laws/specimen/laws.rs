@@ -89,6 +89,7 @@ pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::operators::relaxed;
 
     #[test]
     fn a_rounded_size_is_a_parabola_inside_its_width_and_the_size_less_a_constant_outside() {
@@ -98,7 +99,6 @@ mod tests {
         assert!((slope(-5.0) + 1.0).abs() < 1e-6 && rounded(0.0, width).abs() < 1e-15);
         assert_eq!(rounded(-2.0, 0.0), 2.0);
     }
-    use crate::numbers::operators::relaxed;
 
     fn sine(n: usize) -> Vec<f64> {
         (0..n).map(|i| (i as f64 * 0.01).sin()).collect()

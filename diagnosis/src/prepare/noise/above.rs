@@ -1,6 +1,7 @@
 //! Noise of a record without a rest: the spectrum above the band of the motion, extrapolated below it.
 
 use super::quiet;
+use crate::numbers::signals::median;
 use crate::record::spectrum::{Density, motion_band_hz};
 use fourier::Complex;
 use rand_core::{Rng, SeedableRng};
@@ -132,12 +133,6 @@ fn quieten(
             group.fill(quiet);
         }
     }
-}
-
-pub fn median(x: &[f64]) -> f64 {
-    let mut sorted = x.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
 
 #[cfg(test)]
