@@ -103,7 +103,12 @@ fn two(seed: u64, rng: &mut Draws) -> Vec<Question> {
         let coarse = [a.0, b.0].contains(&"quantisation");
         let slow = ["calibration", "slow"];
         let blurred = slow.contains(&a.1) && slow.contains(&b.1);
-        if a.1 != b.1 && (a.2 != b.2) == apart && !coarse && !blurred {
+        // The frame of `y / (1 + k / k_frame)` yields to a declared spring and to no other force.
+        let compliant = [a, b]
+            .iter()
+            .any(|e| e.0 == "rig_compliance" && e.2 == Channel::Actuator);
+        let unframed = apart && compliant;
+        if a.1 != b.1 && (a.2 != b.2) == apart && !coarse && !blurred && !unframed {
             return [a, b]
                 .map(|(name, _, channel)| Question::Effect(name, channel, equations))
                 .to_vec();

@@ -269,7 +269,7 @@ impl<'a, 'b> Search<'a, 'b> {
     fn scored(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorModelFit> {
         let fit = self.data.fit(model, start)?;
         let squares = self.data.cross_validated(&fit)?;
-        let parts: f64 = model.parts.iter().map(|p| p.kind.price()).sum();
+        let parts: f64 = model.parts.iter().map(Part::price).sum();
         let moved = PARAMETERS.iter().zip(model.moved).filter(|p| p.1);
         let price = parts + moved.map(|p| p.0).sum::<f64>();
         let evidence = self.score.evidence(&squares, price);

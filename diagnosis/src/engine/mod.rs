@@ -7,7 +7,7 @@
 //! score      the only measure: left-out blocks of the training data
 //! beam       the only search: a set, one more term at a time      search     sets of laws by their products
 //! polish     a model's shapes at their best                       free       the rival without a name
-//! exact      if a law leaves noise, every sample counts
+//! exact      if a law leaves noise, every sample counts           naming     a fit under each name of its force
 //! posterior  the probability of each name                         verdict    the decision on them
 //! settle     the chosen model fitted down to the noise            sliding    friction where it slides
 //! unknowns   what a fit may move, with its covariance             figures    a name's parameters with intervals
@@ -32,6 +32,7 @@ mod free;
 mod gram;
 mod law;
 mod motion;
+mod naming;
 mod one_each;
 mod polish;
 pub mod posterior;
@@ -53,7 +54,7 @@ pub use score::KnownNoise;
 pub use specimen::{SpecimenData, SpecimenModelFit};
 pub use verdict::{Named, SURE, Said};
 
-use plant::{Effect, Family};
+use naming::candidates;
 use rayon::prelude::*;
 use score::raised;
 use specimen::Term;
@@ -189,81 +190,4 @@ pub fn trust(evidence: &score::Evidence) -> f64 {
         above
     };
     1.0 - share
-}
-
-/// A spring whose declared stiffness is wrong by more than this multiple of what it stiffens may be one read by a scale that
-/// is wrong.
-const BENDS: f64 = 3.0;
-
-/// A fit under each of the names that its force may have.
-fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<SpecimenModelFit>> {
-    let mut all = vec![fit.names.clone()];
-    let other = |i: usize| {
-        let term = fit.terms[i];
-        data.rows[term.row].other_name(term.shape, fit.names[i], &data.sizes)
-    };
-    // Friction with hysteresis that yields as early as friction may is one sliding contact with a rounded knee.
-    let early =
-        |i: &usize| fit.names[*i].entry().family == Family::Hysteresis && other(*i).is_some();
-    let early = (0..fit.terms.len()).find(early).map(|i| fit.names[i]);
-    let has_only = |own| data.has_only(&fit, own);
-    let late = data.late_s(&fit).is_some_and(|s| s > 0.0);
-    // A higher-order filter delays, and leads or lags with the square of the frequency, as a mass does.
-    let kg_of_a_filter = data
-        .late_s(&fit)
-        .map_or(0.0, |s| 1e3 * fit.declared[0].abs() * s * s);
-    let kg = fit.declared[2] - data.declared_values()[2];
-    let stiffer = fit.declared[0] - data.declared_values()[0];
-    // A scale that is wrong, or a frame that gives way, and bends a little.
-    let bends = |i: usize| {
-        let row = &data.rows[fit.terms[i].row];
-        row.is_spring() && row.frees == Some(0) && (stiffer / fit.strengths[i][0]).abs() > BENDS
-    };
-    for i in 0..fit.terms.len() {
-        let also = match fit.names[i] {
-            // Damping and mass, which a clip would also limit, tell it from a spring that softens.
-            Effect::Saturation if has_only(0) => vec![Effect::Softening],
-            // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
-            Effect::ChannelSkew if late && has_only(1) => vec![Effect::MaxwellDamper],
-            // A frame whose joints close gives way more at first.
-            Effect::Hardening if bends(i) && stiffer < 0.0 => {
-                vec![Effect::GainError, Effect::RigCompliance]
-            }
-            Effect::Hardening | Effect::Softening if bends(i) => vec![Effect::GainError],
-            Effect::InertiaForce if kg.abs() < kg_of_a_filter => vec![Effect::ChannelSkew],
-            name if name.entry().family == Family::Friction => Vec::from_iter(early),
-            _ => Vec::new(),
-        };
-        let known = all.clone();
-        for other in other(i).into_iter().chain(also) {
-            all.extend(known.iter().map(|names| {
-                let mut names = names.clone();
-                names[i] = other;
-                names
-            }));
-        }
-    }
-    let of = |own: Vec<Effect>| {
-        let mut evidence = fit.evidence;
-        if own != fit.names {
-            evidence.price += posterior::OTHER_NAME;
-        }
-        let mut names = own.clone();
-        names.sort_by_key(|n| *n as usize);
-        names.dedup();
-        Candidate {
-            names,
-            nameless: false,
-            only_family: fit
-                .terms
-                .iter()
-                .any(|t| data.rows[t.row].has_its_familys_name()),
-            evidence,
-            model: SpecimenModelFit {
-                names: own,
-                ..fit.clone()
-            },
-        }
-    };
-    all.into_iter().map(of).collect()
 }

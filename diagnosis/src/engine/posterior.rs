@@ -69,10 +69,15 @@ impl<M: Clone, N: Name> Posterior<M, N> {
         }
     }
 
+    /// Probability of the models for which `of` holds.
+    pub fn share(&self, of: impl Fn(&Candidate<M, N>) -> bool) -> f64 {
+        let all = self.models.iter().filter(|(c, _)| of(c));
+        all.map(|(_, w)| w).sum()
+    }
+
     /// Probability that a name is in the rig.
     pub fn name(&self, name: N) -> f64 {
-        let with = self.models.iter().filter(|(c, _)| c.names.contains(&name));
-        with.map(|(_, w)| w).sum()
+        self.share(|c| c.names.contains(&name))
     }
 
     /// All names with their probabilities, the likeliest first.
@@ -143,15 +148,12 @@ impl<M: Clone, N: Name> Posterior<M, N> {
 
     /// Probability that at least one name of this family is in the rig.
     pub fn family(&self, family: Family) -> f64 {
-        let of = |n: &N| n.family() == Some(family);
-        let with = self.models.iter().filter(|(c, _)| c.names.iter().any(of));
-        with.map(|(_, w)| w).sum()
+        self.share(|c| c.names.iter().any(|n| n.family() == Some(family)))
     }
 
     /// Probability that something without a name is in the rig.
     pub fn unnamed(&self) -> f64 {
-        let with = self.models.iter().filter(|(c, _)| c.nameless);
-        with.map(|(_, w)| w).sum()
+        self.share(|c| c.nameless)
     }
 
     /// The best model without any name or free function.

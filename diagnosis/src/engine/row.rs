@@ -1,7 +1,7 @@
 //! A law of the table: its equation, the shapes to search, and its price.
 
 use crate::criteria::MAY_BE_FRICTION;
-use crate::laws::library::candidate::Shape;
+use crate::laws::library::candidate::{Shape, rest_ratio};
 use crate::laws::library::{CANDIDATES, Candidate};
 use crate::laws::specimen::element::{Element, Law};
 use crate::laws::specimen::track::MotionScales;
@@ -61,7 +61,7 @@ const A_SHAPE: f64 = 0.7;
 const A_STRENGTH: f64 = 0.4;
 /// Price of a declared parameter freed along with the law, without a name: as high as under a name of its own,
 /// otherwise every law of zero strength would be a rival of `gain_error`.
-const A_PARAMETER: f64 = 3.2;
+pub const A_PARAMETER: f64 = 3.2;
 
 impl Row {
     /// A declared parameter that leaves its tolerance.
@@ -150,7 +150,13 @@ impl Row {
 
     /// The other name of the same force, if the motion cannot tell: the give of a sliding contact or a yielding spring,
     /// a dashpot or one behind a stiff spring.
-    pub fn other_name(&self, shape: [f64; 4], own: Effect, sizes: &Sizes) -> Option<Effect> {
+    pub fn other_name(
+        &self,
+        shape: [f64; 4],
+        strengths: &[f64],
+        own: Effect,
+        sizes: &Sizes,
+    ) -> Option<Effect> {
         let law = match self.form {
             Form::Element(law) => law,
             // Early yielding may be the give of a sliding contact.
@@ -158,11 +164,12 @@ impl Row {
                 let early = shape[0] < MAY_BE_FRICTION * sizes.motion.x;
                 return early.then_some(Effect::CoulombFriction);
             }
-            // A fall with speed that ends while friction still builds up may be how it builds up.
+            // A small fall with speed that ends while friction still builds up may be how it builds up.
             Form::Effect(c) if c.effect == Effect::StribeckFriction => {
                 let m = &sizes.motion;
                 let built_up = m.v * (2.0 * BUILDS_UP * shape[0] / m.x).sqrt();
-                return (shape[1] < built_up).then_some(Effect::CoulombFriction);
+                let small = rest_ratio(strengths) < FALLS_LITTLE;
+                return (small && shape[1] < built_up).then_some(Effect::CoulombFriction);
             }
             Form::Effect(_) | Form::Parameter(_) => return None,
         };
@@ -253,6 +260,9 @@ const SEVERAL: f64 = 2.0;
 
 /// Presliding displacements over which friction builds up after a reversal, by an unknown law.
 const BUILDS_UP: f64 = 4.0;
+
+/// Largest ratio of friction at rest to that in motion that may be a wrong law of how it builds up.
+const FALLS_LITTLE: f64 = 1.25;
 
 /// Unit in which a shape moves: its own value if by factors, else a part of its range.
 pub fn unit(log: bool, value: f64, [low, high]: [f64; 2]) -> f64 {

@@ -47,7 +47,7 @@ pub struct Named<M, N = Effect> {
     pub beside: Probabilities<N>,
     /// True if they are not everything: something else is present, named or not.
     pub more: bool,
-    /// True if they alone do most of what the model does; else the larger part is still open.
+    /// True if they alone do most of what the model does, and no set of others is sure to be present.
     pub lead: bool,
 }
 
@@ -121,12 +121,14 @@ fn names<M: Clone, N: Name>(posterior: &Posterior<M, N>) -> Option<Said<M, N>> {
     // The model of exactly these names, unless it lacks what is present along with them.
     let exact = all().find(|c| c.names.len() == only.len());
     let near = |c: &&Candidate<M, N>| best.evidence.score() - c.evidence.score() < LACKS;
-    let lead = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
     let model = exact.filter(near).unwrap_or(best).clone();
     let others = model.names.len() > only.len();
     let mut beside = posterior.names();
     beside.retain(|n| others && !only.contains(&n.0) && n.1 >= RIVALS);
     beside.truncate(LARGEST_SET.saturating_sub(only.len()));
+    let alone = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
+    let with = |c: &Candidate<M, N>| beside.iter().any(|n| c.names.contains(&n.0));
+    let lead = alone && posterior.share(|c| has(&c) && with(c)) < SET;
     let rivals = only.iter().map(|n| rivals(posterior, *n, &only));
     Some(Said::Names(Named {
         more: others || model.only_family,
@@ -155,11 +157,8 @@ fn set<M: Clone, N: Name>(
     posterior: &Posterior<M, N>,
 ) -> Option<(Candidate<M, N>, Probabilities<N>)> {
     let names = posterior.names();
-    let holds = |set: &[(N, f64)]| {
-        let hit = |c: &Candidate<M, N>| set.iter().any(|n| c.names.contains(&n.0));
-        let all = posterior.models.iter().filter(|m| hit(&m.0));
-        all.map(|m| m.1).sum::<f64>() >= SET
-    };
+    let holds =
+        |set: &[(N, f64)]| posterior.share(|c| set.iter().any(|n| c.names.contains(&n.0))) >= SET;
     let smallest = (1..=names.len().min(LARGEST_SET)).find(|n| holds(&names[..*n]));
     let set = smallest.filter(|n| *n > 1).map(|n| names[..n].to_vec());
     let set = set.or_else(|| plain_family(posterior, &names))?;

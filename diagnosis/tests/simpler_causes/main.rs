@@ -2,6 +2,7 @@
 #![allow(missing_docs)]
 
 mod corners;
+mod declared_stiffness;
 mod neighbours;
 #[path = "../spring/mod.rs"]
 mod spring;

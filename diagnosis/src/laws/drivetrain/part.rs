@@ -319,6 +319,10 @@ impl PartKind {
 /// Damping ratio from which nothing rings: two lags in series have 1 or more.
 const RINGS: f64 = 0.95;
 
+/// A usual damping ratio of an oil column, by leakage and seals, and the scatter of its logarithm.
+const OF_OIL: f64 = 0.15;
+const SCATTER_OF_OIL: f64 = 0.8;
+
 /// Ratio of friction at rest to that in motion below which it is plain friction.
 const STICKS: f64 = 1.05;
 
@@ -329,6 +333,15 @@ impl Part {
             PartKind::StickySeal if self.shapes[2] < STICKS => Some(Effect::CoulombFriction),
             kind => kind.effect(),
         }
+    }
+
+    /// Its price, nats: that of its kind, and how rare such a damping is in an oil column.
+    pub fn price(&self) -> f64 {
+        let damped = match self.kind {
+            PartKind::OilColumn => (self.shapes[1] / OF_OIL).max(1.0).ln() / SCATTER_OF_OIL,
+            _ => 0.0,
+        };
+        self.kind.price() + 0.5 * damped * damped
     }
 
     /// The other name of the same response: a resonance that does not ring may be a lag.
@@ -355,4 +368,21 @@ pub struct Part {
     pub kind: PartKind,
     /// Its shapes.
     pub shapes: Shapes,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_oil_column_that_hardly_rings_is_rare() {
+        let of = |damping| Part {
+            kind: PartKind::OilColumn,
+            shapes: shapes([20.0, damping]),
+        };
+        assert_eq!(of(0.1).price(), PartKind::OilColumn.price());
+        // A column damped like a delay's best imitation, against one as the leakage makes it.
+        let rarer = of(0.87).price() - of(0.2).price();
+        assert!((2.0..3.0).contains(&rarer), "{rarer}");
+    }
 }
