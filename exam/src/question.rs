@@ -108,11 +108,35 @@ fn two(seed: u64, rng: &mut Draws) -> Vec<Question> {
             .iter()
             .any(|e| e.0 == "rig_compliance" && e.2 == Channel::Actuator);
         let unframed = apart && compliant;
-        if a.1 != b.1 && (a.2 != b.2) == apart && !coarse && !blurred && !unframed {
-            return [a, b]
+        // A valve is one equation: two changes of it do not add up.
+        let unseen = equations == Equations::Unseen;
+        let one_valve = unseen && [a, b].iter().all(|e| VALVE.contains(&e.0));
+        let confused = coarse || blurred || unframed || one_valve;
+        if a.1 != b.1 && (a.2 != b.2) == apart && !confused {
+            let mut both = [a, b];
+            both.sort_by_key(|e| stage(e.0, e.2));
+            return both
                 .map(|(name, _, channel)| Question::Effect(name, channel, equations))
                 .to_vec();
         }
+    }
+}
+
+/// Effects that the exam writes as a change of the valve's equation where their own equation is not the textbook's.
+const VALVE: [&str; 3] = ["lag_error", "rate_limit", "asymmetric_actuator"];
+
+/// The place of an effect in its channel, from what drives to what reads: a valve and its oil move a drive with lost motion up to
+/// its stops; the forces of a specimen pass a load cell, whose range ends.
+fn stage(name: &str, channel: Channel) -> u8 {
+    match (channel, name) {
+        (Channel::Actuator, "delay_error" | "lag_error" | "second_lag" | "oil_column") => 0,
+        (Channel::Actuator, "rate_limit") => 1,
+        (
+            Channel::Specimen,
+            "channel_skew" | "gain_error" | "rig_compliance" | "temperature_gain",
+        ) => 3,
+        (_, "saturation") => 4,
+        _ => 2,
     }
 }
 

@@ -134,6 +134,10 @@ fn laws_between_two_names_and_sound_specimens_behind_corners_are_exact() {
         "unseen-7300065",
         "unseen-7300105",
         "two-8400022",
+        // A gap beside a loop, a wrong scale beside a joint, a delay that is no oil.
+        "two-8600038",
+        "two-8600014",
+        "two-7300026",
     ];
     let items = ids.map(|id| Item::from_id(id).unwrap());
     let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
