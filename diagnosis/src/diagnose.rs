@@ -81,6 +81,7 @@ pub fn diagnose(
         };
         let declared = improved.clone();
         let mut answer = channel.judge(&mut improved);
+        channel.check_none_on_held_out(&mut answer);
         let smooth = channel.away_from_corners(&mut answer, &declared, &mut improved);
         let [train, test] = smooth
             .as_ref()
@@ -90,7 +91,6 @@ pub fn diagnose(
             test,
             ..channel
         };
-        channel.check_none_on_held_out(&mut answer);
         noise_floor::limit_floor(&mut answer, f64::INFINITY);
         let lines = channel.lines_in_place_of_noise(&mut answer);
         channel.analyse_residual(&mut answer, lines);
