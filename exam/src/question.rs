@@ -110,11 +110,12 @@ fn two(seed: u64, rng: &mut Draws) -> Vec<Question> {
         let unframed = apart && compliant;
         // A valve is one equation: two changes of it do not add up.
         let unseen = equations == Equations::Unseen;
-        let one_valve = unseen && [a, b].iter().all(|e| VALVE.contains(&e.0));
+        let in_valve = |name| unseen && VALVE.contains(&name);
+        let one_valve = in_valve(a.0) && in_valve(b.0);
         let confused = coarse || blurred || unframed || one_valve;
         if a.1 != b.1 && (a.2 != b.2) == apart && !confused {
             let mut both = [a, b];
-            both.sort_by_key(|e| stage(e.0, e.2));
+            both.sort_by_key(|e| if in_valve(e.0) { 0 } else { stage(e.0, e.2) });
             return both
                 .map(|(name, _, channel)| Question::Effect(name, channel, equations))
                 .to_vec();
@@ -129,8 +130,8 @@ const VALVE: [&str; 3] = ["lag_error", "rate_limit", "asymmetric_actuator"];
 /// its stops; the forces of a specimen pass a load cell, whose range ends.
 fn stage(name: &str, channel: Channel) -> u8 {
     match (channel, name) {
-        (Channel::Actuator, "delay_error" | "lag_error" | "second_lag" | "oil_column") => 0,
-        (Channel::Actuator, "rate_limit") => 1,
+        (Channel::Actuator, "lag_error") => 0,
+        (Channel::Actuator, "delay_error" | "second_lag" | "oil_column" | "rate_limit") => 1,
         (
             Channel::Specimen,
             "channel_skew" | "gain_error" | "rig_compliance" | "temperature_gain",

@@ -92,10 +92,9 @@ impl ChannelDiagnosis<'_> {
         });
         let stands = |left: &Left| left.at_corners > LEFT_AT_CORNERS * left.elsewhere;
         // Where the training data leave noise, held-out data may still have corners.
-        let stands = stands(&learned) || answer.nearest.is_none() && stands(&judged);
-        let few = learned.share + judged.share > 0.0
-            && learned.share < MOST_CORNERS
-            && judged.share < MOST_CORNERS_HELD_OUT;
+        let is_of_held_out = answer.verdict == Verdict::Unknown && answer.nearest.is_none();
+        let stands = stands(&learned) || is_of_held_out && stands(&judged);
+        let few = learned.share < MOST_CORNERS && judged.share < MOST_CORNERS_HELD_OUT;
         (stands && few).then_some(corners)
     }
 
@@ -125,12 +124,16 @@ impl ChannelDiagnosis<'_> {
         if !nothing && !named {
             return None;
         }
-        let share = left(in_train, self.train, &answer.residuals[0]).share;
+        let share = |set: usize, corners: &[Corners], records: &[Recording]| {
+            100.0 * left(corners, records, &answer.residuals[set]).share
+        };
+        let shares = [share(0, in_train, self.train), share(1, in_test, self.test)];
         beside.noise_floor_rms /= smooth.measured().sqrt();
         beside.notes.push(format!(
-            "Nothing is judged or predicted at corners of the motion, {:.0} % of its time in the training data: forces of damping and \
-             mass depend there on accelerations that the displacement does not show at its rate and noise.",
-            100.0 * share,
+            "Nothing is judged or predicted at corners of the motion, {:.0} % of its time in the training data and {:.0} % in the \
+             held-out data: forces of damping and mass depend there on accelerations that the displacement does not show at its rate \
+             and noise.",
+            shares[0], shares[1],
         ));
         *answer = beside;
         *improved = with;

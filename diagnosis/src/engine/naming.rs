@@ -5,7 +5,7 @@ use super::posterior::{Candidate, OTHER_NAME};
 use super::row::{A_PARAMETER, Form, Row};
 use super::search::price_of_many;
 use super::specimen::{SpecimenData, SpecimenModelFit, Term};
-use crate::laws::specimen::element::Law;
+use crate::laws::specimen::element::{Element, Law};
 use crate::numbers::signals::{add_columns, add_scaled, difference, rms};
 use plant::{Effect, Family};
 
@@ -26,7 +26,7 @@ const OF_A_SPRING: [Family; 4] = [
     Family::Asymmetry,
 ];
 
-/// Fraction of the slopes at each end that averages over a reversal may falsify.
+/// Fraction of the slopes that is left out at each end: an average over a reversal has a false one.
 const NOISE_OF_SLOPES: f64 = 0.003;
 /// Smallest step between samples that has a slope, over the rms step.
 const LEAST_STEP: f64 = 0.05;
@@ -115,9 +115,13 @@ fn other_names(data: &SpecimenData, fit: &SpecimenModelFit, i: usize, keeps: f64
         }
         // A play narrower than the travel over which friction builds up may be how it builds up.
         Effect::Backlash => {
-            let friction = (0..fit.terms.len()).find(|i| is_of(i, Family::Friction));
-            let friction = friction.filter(|f| own.shape[0] < fit.terms[*f].shape[0]);
-            Vec::from_iter(friction.map(|f| fit.names[f]))
+            let width_mm = match data.rows[own.row].form {
+                Form::Element(_) => 2.0 * own.shape[0],
+                _ => own.shape[0],
+            };
+            let friction = (0..fit.terms.len()).filter(|i| is_of(i, Family::Friction));
+            let wider = |f: &usize| width_mm < data.builds_up_over_mm(&fit.terms[*f]);
+            Vec::from_iter(friction.filter(wider).map(|f| fit.names[f]).next())
         }
         // Friction with hysteresis that yields as early as friction may is one sliding contact with a rounded knee.
         name if name.entry().family == Family::Friction => {
@@ -145,14 +149,15 @@ fn candidate(data: &SpecimenData, model: SpecimenModelFit) -> Candidate<Specimen
 }
 
 impl SpecimenData<'_> {
-    /// Whether a stiffness that one of a fit's laws frees is softer than declared; `None` if it is the declared one
-    /// somewhere in the motion, as the slope of the spring and of all laws that may be part of it. Friction is beside a
-    /// spring, within a gap there is none, and a knee has two slopes and none between.
+    /// Whether the stiffness that one of a fit's laws frees is softer than declared. `None` if it is the declared one, if it
+    /// already has a name, or if none is freed or declared. It is compared by the slopes of the spring and of the laws that
+    /// may be part of it, without friction and outside gaps: with the least, the most, and what is between, unless that is a
+    /// knee.
     fn softer_than_declared(&self, fit: &SpecimenModelFit) -> Option<bool> {
         let declared = self.declared_values()[0];
-        let is_calibration = |n: &Effect| n.entry().family == Family::Calibration;
+        let is_named = |n: &Effect| matches!(n, Effect::GainError | Effect::RigCompliance);
         let freed = fit.terms.iter().any(|t| self.rows[t.row].frees == Some(0));
-        if !freed || declared == 0.0 || fit.names.iter().any(is_calibration) {
+        if !freed || declared == 0.0 || fit.names.iter().any(is_named) {
             return None;
         }
         let mut slopes: Vec<f64> = self.local_stiffness(fit).into_iter().map(|s| s.1).collect();
@@ -179,12 +184,22 @@ impl SpecimenData<'_> {
         (!kept).then_some(high < declared)
     }
 
+    /// Travel over which friction builds up after a reversal, mm; 0 if its force depends on speed alone.
+    fn builds_up_over_mm(&self, friction: &Term) -> f64 {
+        let shape = friction.shape;
+        match self.rows[friction.row].form {
+            Form::Element(law) if law.slides() => Element { law, shape }.yields_at(),
+            Form::Effect(c) if c.effect == Effect::StribeckFriction => shape[0],
+            _ => 0.0,
+        }
+    }
+
     /// True for a spring that changes at a place.
     fn is_knee(&self, term: &Term) -> bool {
         matches!(self.rows[term.row].form, Form::Element(Law::Beyond))
     }
 
-    /// The slope of the force of a fit's spring and of all laws that may be part of it, at each place where the motion moves.
+    /// Places, mm, and slopes there, N/mm, of the force of a fit's spring and of all laws that may be part of it.
     fn local_stiffness(&self, fit: &SpecimenModelFit) -> Vec<(f64, f64)> {
         let columns = self.stacked(Motion::declared);
         let x = &columns[0];
@@ -230,7 +245,10 @@ impl SpecimenData<'_> {
         let Some(row) = self.rows.iter().position(is_stiffness) else {
             return Vec::new();
         };
-        let mut families: Vec<Family> = fit.names.iter().map(|n| n.entry().family).collect();
+        let mut names = fit.names.clone();
+        names.sort_by_key(|n| *n as usize);
+        names.dedup();
+        let mut families: Vec<Family> = names.iter().map(|n| n.entry().family).collect();
         let alone = price_of_many(&families);
         families.push(Family::Calibration);
         let price = price_of_many(&families) - alone + self.rows[row].price - A_PARAMETER;

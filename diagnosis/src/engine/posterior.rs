@@ -239,6 +239,30 @@ mod tests {
     }
 
     #[test]
+    fn a_sure_name_does_not_lead_where_one_of_two_others_is_sure_to_be_beside_it() {
+        let friction = Effect::CoulombFriction;
+        let with =
+            |names: &[Effect], left, price| candidate(&[&[friction], names].concat(), left, price);
+        let declared = candidate(&[], 9.0, 0.0);
+        let leads = |others: Vec<Candidate<()>>| {
+            let all = [vec![declared.clone(), with(&[], 1.0, 3.0)], others].concat();
+            let Said::Names(n) = verdict(&Posterior::of(all), NOTHING) else {
+                panic!("no names");
+            };
+            assert_eq!(n.names[0].0, friction);
+            n.lead
+        };
+        let beside = |left| {
+            [Effect::GainError, Effect::RigCompliance]
+                .map(|n| with(&[n], left, 6.0))
+                .to_vec()
+        };
+        assert!(!leads(beside(0.4)));
+        // As likely to be nothing.
+        assert!(leads(beside(0.85)));
+    }
+
+    #[test]
     fn what_free_functions_take_as_well_as_a_law_has_no_name() {
         let declared = candidate(&[], 9.0, 0.0);
         let friction = |left| candidate(&[Effect::CoulombFriction], left, 3.0);

@@ -94,7 +94,7 @@ fn a_yielding_device_may_have_a_spring_of_its_own_and_may_be_part_of_the_declare
             said(&a)
         );
         assert!(
-            !names(&a).contains(&Effect::GainError),
+            !is_held_possible(&a, Effect::GainError),
             "{own}: {}",
             said(&a)
         );
@@ -114,6 +114,17 @@ fn a_gap_with_hardly_a_spring_in_it_is_one() {
     assert_eq!(names(&a), [Effect::DeadBand], "{}", said(&a));
     let a = of(&x, |x| STIFFNESS_N_PER_MM * (0.5 * x + 0.5 * beyond(x)));
     assert!(!is_held_possible(&a, Effect::DeadBand), "{}", said(&a));
+    assert!(is_held_possible(&a, Effect::Hardening), "{}", said(&a));
+    // The error of a spring that is stiffer than declared is that of the spring in contact.
+    let a = of(&x, |x| 1200.0 * (0.02 * x + 0.98 * beyond(x)));
+    assert!(is_held_possible(&a, Effect::DeadBand), "{}", said(&a));
+    let wrong = a.effects.iter().find(|e| e.name == Effect::GainError);
+    let error = wrong.map(|e| e.parameters[0].value);
+    assert!(
+        error.is_some_and(|e| (e - 0.2).abs() < 0.02),
+        "{error:?} {}",
+        said(&a)
+    );
 }
 
 #[test]
