@@ -156,7 +156,10 @@ impl Figures<'_, '_> {
                 return (c.parameters)(strengths, &term.shape[..shapes], &scales);
             }
         }
-        let (elements, owners) = self.elements(fit);
+        let (mut elements, owners) = self.elements(fit);
+        if matches!(name, Effect::GainError | Effect::RigCompliance) {
+            elements.parameters[0] = self.data.stiffness_of_small_motions(fit);
+        }
         let own: Vec<usize> = (0..owners.len()).filter(|&i| owners[i] == name).collect();
         figures(name, &own, &elements, &self.data.declared_values())
     }

@@ -30,8 +30,8 @@ const OF_A_SPRING: [Family; 4] = [
 const NOISE_OF_SLOPES: f64 = 0.003;
 /// Smallest step between samples that has a slope, over the rms step.
 const LEAST_STEP: f64 = 0.05;
-/// A slope may miss the declared stiffness by this multiple of its tolerance, or this fraction of what the laws change:
-/// they are approximations.
+/// A slope may miss the declared stiffness by this multiple of its tolerance, or this fraction of what the laws change,
+/// unless at a place: they are approximations.
 const ROOM: f64 = 2.0;
 const OF_THE_LAW: f64 = 0.1;
 /// Fraction of the slopes that is certainly in contact if there is a gap.
@@ -148,40 +148,72 @@ fn candidate(data: &SpecimenData, model: SpecimenModelFit) -> Candidate<Specimen
     }
 }
 
+/// True if a fit has a name of one of these families.
+fn has_one_of(fit: &SpecimenModelFit, families: &[Family]) -> bool {
+    fit.names
+        .iter()
+        .any(|n| families.contains(&n.entry().family))
+}
+
+/// The least and the greatest slope of a force that a declared stiffness may be, and the range of all its slopes, N/mm.
+struct Slopes {
+    low: f64,
+    high: f64,
+    range: f64,
+}
+
 impl SpecimenData<'_> {
     /// Whether the stiffness that one of a fit's laws frees is softer than declared. `None` if it is the declared one, if it
-    /// already has a name, or if none is freed or declared. It is compared by the slopes of the spring and of the laws that
-    /// may be part of it, without friction and outside gaps: with the least, the most, and what is between, unless that is a
-    /// knee.
+    /// already has a name, or if none is freed or declared. The least slope, the greatest, and all between fit; at a knee
+    /// there is none between.
     fn softer_than_declared(&self, fit: &SpecimenModelFit) -> Option<bool> {
         let declared = self.declared_values()[0];
         let is_named = |n: &Effect| matches!(n, Effect::GainError | Effect::RigCompliance);
-        let freed = fit.terms.iter().any(|t| self.rows[t.row].frees == Some(0));
-        if !freed || declared == 0.0 || fit.names.iter().any(is_named) {
+        if declared == 0.0 || fit.names.iter().any(is_named) {
+            return None;
+        }
+        let Slopes { low, high, range } = self.slopes_of_freed(fit)?;
+        let has_knee = fit.terms.iter().any(|t| self.is_knee(t));
+        let of_the_law = if has_knee { 0.0 } else { OF_THE_LAW * range };
+        let around = of_the_law.max(ROOM * self.tolerance(0));
+        // A device beside the spring may have one of its own.
+        let has_device = has_one_of(
+            fit,
+            &[Family::Asymmetry, Family::Hysteresis, Family::Stiffness],
+        );
+        let [below, above] = [declared - low, high - declared];
+        let between = below >= 0.0 && above >= 0.0 && !has_knee;
+        let near = below.abs().min(above.abs()) < around;
+        let kept = near || between || below < 0.0 && has_device;
+        let nearest = if below.abs() < above.abs() { low } else { high };
+        (!kept).then_some(nearest < declared)
+    }
+
+    /// Stiffness of a fit for small motions, N/mm: in contact if it has a gap, before a law yields that is part of the spring.
+    pub fn stiffness_of_small_motions(&self, fit: &SpecimenModelFit) -> f64 {
+        let changes = has_one_of(fit, &[Family::Gap, Family::Hysteresis]);
+        let slopes = changes.then(|| self.slopes_of_freed(fit)).flatten();
+        slopes.map_or(fit.declared[0], |s| s.high)
+    }
+
+    /// Slopes of the spring that one of a fit's laws frees, with all laws that may be part of it; `None` if none is freed.
+    /// Friction is beside a spring, and within a gap there is none.
+    fn slopes_of_freed(&self, fit: &SpecimenModelFit) -> Option<Slopes> {
+        if !fit.terms.iter().any(|t| self.rows[t.row].frees == Some(0)) {
             return None;
         }
         let mut slopes: Vec<f64> = self.local_stiffness(fit).into_iter().map(|s| s.1).collect();
         slopes.sort_by(f64::total_cmp);
         let at = |share: f64| slopes.get((share * slopes.len() as f64) as usize).copied();
         let [least, most] = [at(NOISE_OF_SLOPES)?, at(1.0 - NOISE_OF_SLOPES)?];
-        let has_gap = fit.names.iter().any(|n| n.entry().family == Family::Gap);
-        let [low, high] = if has_gap {
+        let [low, high] = if has_one_of(fit, &[Family::Gap]) {
             [at(1.0 - IN_CONTACT)?; 2]
         } else {
             // The motion may be away from where a spring is as declared.
             [least.min(fit.declared[0]), most.max(fit.declared[0])]
         };
-        let around = (ROOM * self.tolerance(0)).max(OF_THE_LAW * (most - least));
-        // A device beside the spring may have one of its own.
-        let has_device = fit.names.iter().any(|n| {
-            use Family::{Asymmetry, Hysteresis, Stiffness};
-            matches!(n.entry().family, Asymmetry | Hysteresis | Stiffness)
-        });
-        let is = |slope: f64| (slope - declared).abs() < around;
-        let between =
-            (low..=high).contains(&declared) && !fit.terms.iter().any(|t| self.is_knee(t));
-        let kept = is(low) || is(high) || between || low > declared && has_device;
-        (!kept).then_some(high < declared)
+        let range = most - least;
+        Some(Slopes { low, high, range })
     }
 
     /// Travel over which friction builds up after a reversal, mm; 0 if its force depends on speed alone.

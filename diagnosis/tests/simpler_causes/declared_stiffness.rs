@@ -23,6 +23,11 @@ fn names(a: &ChannelAnswer) -> Vec<Effect> {
     a.effects.iter().map(|e| e.name).collect()
 }
 
+fn error_of_gain(a: &ChannelAnswer) -> Option<f64> {
+    let gain = a.effects.iter().find(|e| e.name == Effect::GainError)?;
+    Some(gain.parameters[0].value)
+}
+
 #[test]
 fn sides_that_are_both_softer_than_declared_are_unequal_and_behind_a_scale_or_a_frame() {
     let x = moved();
@@ -99,11 +104,17 @@ fn a_yielding_device_may_have_a_spring_of_its_own_and_may_be_part_of_the_declare
             said(&a)
         );
     }
-    // Neither before nor after it yields.
+    // Neither before nor after it yields: its error is that before.
     let device = yields(&x, 200.0).into_iter().zip(&x);
     let more: Vec<f64> = device.map(|(f, x)| f - 450.0 * x).collect();
     let a = asked(&x, &more);
     assert!(is_held_possible(&a, Effect::GainError), "{}", said(&a));
+    let error = error_of_gain(&a);
+    assert!(
+        error.is_some_and(|e| (e + 0.25).abs() < 0.03),
+        "{error:?} {}",
+        said(&a)
+    );
 }
 
 #[test]
@@ -118,13 +129,19 @@ fn a_gap_with_hardly_a_spring_in_it_is_one() {
     // The error of a spring that is stiffer than declared is that of the spring in contact.
     let a = of(&x, |x| 1200.0 * (0.02 * x + 0.98 * beyond(x)));
     assert!(is_held_possible(&a, Effect::DeadBand), "{}", said(&a));
-    let wrong = a.effects.iter().find(|e| e.name == Effect::GainError);
-    let error = wrong.map(|e| e.parameters[0].value);
+    let error = error_of_gain(&a);
     assert!(
         error.is_some_and(|e| (e - 0.2).abs() < 0.02),
         "{error:?} {}",
         said(&a)
     );
+    // Stops beside a spring that is softer than declared: they bear, but its error is its own.
+    let stops = |x: f64| x - x.clamp(-7.0, 7.0);
+    let a = of(&x, |x| 850.0 * x + 3000.0 * stops(x));
+    let error = error_of_gain(&a);
+    let is_own = |e: f64| (e + 0.15).abs() < 0.02;
+    assert!(error.is_some_and(is_own), "{error:?} {}", said(&a));
+    assert!(is_held_possible(&a, Effect::GainError), "{}", said(&a));
 }
 
 #[test]

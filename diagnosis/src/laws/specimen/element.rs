@@ -148,14 +148,6 @@ impl Element {
         }
     }
 
-    /// True if it is a spring that bears on both sides beyond a gap.
-    pub fn bears_beyond_a_gap(&self) -> bool {
-        match self.law {
-            Law::Beyond => self.shape[1] == 0.0,
-            law => law == Law::SlippingJoint,
-        }
-    }
-
     /// Bounds of its strength.
     pub fn bound(&self) -> Bound {
         match self.law {

@@ -273,19 +273,15 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
 
 /// A declared parameter that has left its tolerance, as a change.
 fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec<NamedValue> {
-    // Outside a gap the spring is that beyond it.
-    let beyond = fit.elements.iter().filter(|(e, _)| e.bears_beyond_a_gap());
-    let stiffness = fit.parameters[0] + beyond.map(|e| e.1).sum::<f64>();
     if name == Effect::RigCompliance {
-        let frame = 1.0 / (1.0 / stiffness - 1.0 / declared[0]);
+        let frame = 1.0 / (1.0 / fit.parameters[0] - 1.0 / declared[0]);
         return vec![("stiffness_n_per_mm", "N/mm", frame)];
     }
     let Some(i) = Channel::Specimen.parameter_of_error(name) else {
         return Vec::new();
     };
     let p = &Channel::Specimen.parameters()[i];
-    let value = if i == 0 { stiffness } else { fit.parameters[i] };
-    let error = p.error(value, declared[i]);
+    let error = p.error(fit.parameters[i], declared[i]);
     vec![(p.error_parameter, p.error_unit(), error)]
 }
 
