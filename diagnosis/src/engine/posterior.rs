@@ -257,7 +257,7 @@ mod tests {
                 .map(|n| with(&[n], left, 6.0))
                 .to_vec()
         };
-        assert!(!leads(beside(0.4)));
+        assert!(!leads(beside(0.5)));
         // As likely to be nothing.
         assert!(leads(beside(0.85)));
     }
