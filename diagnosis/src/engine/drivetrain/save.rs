@@ -45,7 +45,6 @@ impl ActuatorData<'_> {
             let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
             return vec![(p.error_parameter, p.error_unit(), error, scatter)];
         }
-        let (gain, lag_s) = (fit.declared[0].abs(), fit.declared[2].max(1e-6));
         let mut amplitude_at = DECLARED;
         let mut shape_at = DECLARED + fit.amplitudes.len();
         let mut out = Vec::new();
@@ -66,7 +65,7 @@ impl ActuatorData<'_> {
             if part.effect() != Some(name) {
                 continue;
             }
-            out.extend(part_figures(part, [strength, ss], scatter, [gain, lag_s]));
+            out.extend(part_figures(part, [strength, ss], scatter, &fit.declared));
         }
         out
     }
@@ -170,14 +169,15 @@ fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'stati
     }
 }
 
-/// The figures of a part: from its strength and shapes with their scatter, after a gain and a lag, s.
+/// The figures of a part: from its strength and shapes with their scatter, beside the declared parameters.
 fn part_figures(
     part: &Part,
     [strength, ss]: [f64; 2],
     [sa, sb, sc, sd]: [f64; 4],
-    [gain, lag_s]: [f64; 2],
+    declared: &[f64; DECLARED],
 ) -> Vec<Figure> {
     let [a, b, c, d] = part.shapes;
+    let (gain, lag_s) = (declared[0].abs(), declared[2].max(1e-6));
     match part.kind {
         PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
         PartKind::OilColumn => {
@@ -187,26 +187,31 @@ fn part_figures(
             }
             all
         }
-        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a / gain, sa / gain)],
         PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
-        PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
-        PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
-        PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+        PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a * gain, 2.0 * sa * gain)],
+        PartKind::FlowLimit => {
+            let per_s = gain / lag_s;
+            vec![("rate_mm_per_s", "mm/s", a * per_s, sa * per_s)]
+        }
+        PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a * gain, sa * gain)],
         PartKind::Load | PartKind::Sag => Vec::new(),
         PartKind::Play | PartKind::DeadBand => {
             vec![("width_mm", "mm", a * gain, sa * gain)]
         }
         PartKind::Stops => {
-            let nearest = if a.abs() < b.abs() {
-                (a.abs(), sa)
+            // As in a model file: of the displacement, after gain and offset.
+            let at = |stop: f64| (stop * declared[0] + declared[3]).abs();
+            let (limit, scatter) = if at(a) < at(b) {
+                (at(a), sa)
             } else {
-                (b.abs(), sb)
+                (at(b), sb)
             };
-            vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
+            vec![("limit_mm", "mm", limit, scatter * gain)]
         }
         PartKind::Friction => vec![
             ("error_mm", "mm", strength, ss),
-            ("presliding_mm", "mm", a, sa),
+            ("presliding_mm", "mm", a * gain, sa * gain),
         ],
         PartKind::Seal | PartKind::StickySeal => {
             let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];

@@ -94,7 +94,7 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
         | Law::Beyond
         | Law::Fatigued
         | Law::Lessened
-        | Law::Lost => of_place(element, strength, fit.sizes.x),
+        | Law::Lost => of_place(element, strength, fit),
         Law::Relaxing => vec![
             ("stiffness_n_per_mm", "N/mm", strength),
             ("relaxation_ms", "ms", 1e3 * p),
@@ -132,16 +132,24 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
     }
 }
 
-/// The same for springs that differ elsewhere, or used to differ; `largest_mm` is the record's displacement.
-fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue> {
+/// The same for springs that differ elsewhere, or used to differ.
+fn of_place(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
     let [p, q, r, s] = element.shape;
-    let reference = ("reference_mm", "mm", largest_mm);
+    let largest = ("largest_mm", "mm", fit.sizes.x);
     match element.law {
-        Law::PowerOfPlace => vec![
-            ("stiffness_at_reference_n_per_mm", "N/mm", strength),
-            reference,
-            ("exponent", "", p),
-        ],
+        Law::PowerOfPlace => {
+            let mut all = vec![
+                ("stiffness_added_at_largest_n_per_mm", "N/mm", strength),
+                largest,
+                ("exponent", "", p),
+            ];
+            let doubled = fit.parameters[0] / strength;
+            if doubled > 0.0 {
+                // As in the catalogue: where the secant stiffness has doubled.
+                all.push(("reference_mm", "mm", fit.sizes.x * doubled.powf(1.0 / p)));
+            }
+            all
+        }
         // From the secant stiffness on one side to that on the other.
         Law::Away => {
             let mut all = vec![
@@ -155,7 +163,7 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
         }
         Law::Square => vec![
             ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
-            reference,
+            largest,
         ],
         Law::Beyond if q == 0.0 => vec![
             (STIFFNESS_BEYOND, "N/mm", strength),
@@ -175,8 +183,8 @@ fn of_place(element: &Element, strength: f64, largest_mm: f64) -> Vec<NamedValue
             ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
         ],
         Law::Lessened => vec![
-            ("stiffness_lost_at_reference_n_per_mm", "N/mm", strength),
-            reference,
+            ("stiffness_lost_at_largest_n_per_mm", "N/mm", strength),
+            largest,
             ("exponent", "", p),
         ],
         _ => vec![
