@@ -108,13 +108,22 @@ impl ChannelDiagnosis<'_> {
         let test = without_known(&self.base, &test)?;
         let mut data = SpecimenData::new(&self.base, &train)?;
         let half_rate = 0.5 / self.train[0].interval_s();
-        let noise = self.noise(data.cutoff_hz.min(half_rate))?;
-        let told = noise.from == NoiseSource::Rest;
-        let known = KnownNoise {
-            variance: noise.variance_of_means(data.every),
-            told,
+        let search = |data: &mut SpecimenData, before| {
+            let noise = self.noise(data.cutoff_hz.min(half_rate))?;
+            let known = KnownNoise {
+                variance: noise.variance_of_means(data.every),
+                told: noise.from == NoiseSource::Rest,
+            };
+            Some((engine::specimen(data, known, before)?, noise))
         };
-        let found = engine::specimen(&mut data, known)?;
+        let (mut found, mut noise) = search(&mut data, None)?;
+        // What is missing hides how fast the rig moves; what was found shows it.
+        let elsewhere = |fit| Some((fit, data.cut_off_elsewhere(fit)?));
+        if let Some((fit, mut again)) = found.leading().and_then(elsewhere) {
+            (found, noise) = search(&mut again, Some(fit))?;
+            data = again;
+        }
+        let told = noise.from == NoiseSource::Rest;
         let channel = ChannelData {
             data: &data,
             bare: [&train, &test],

@@ -62,6 +62,15 @@ impl<F: Clone> Found<F> {
             declared,
         }
     }
+
+    /// The model of what is named or in a set.
+    pub fn leading(&self) -> Option<&F> {
+        match &self.said {
+            verdict::Said::Nothing | verdict::Said::Unknown(_) => None,
+            verdict::Said::Names(named) => Some(&named.model.model),
+            verdict::Said::Set(candidate, _) => Some(&candidate.model),
+        }
+    }
 }
 
 /// A model with one name.

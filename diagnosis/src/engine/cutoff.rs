@@ -2,12 +2,20 @@
 
 use super::bounded::Equations;
 use super::search::DECLARED;
-use crate::criteria::{BLOCKS, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
+use crate::criteria::{BLOCKS, CUTOFF_HOLDS, CUTOFFS};
 use crate::laws::specimen::element::{Element, Law};
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan};
 use crate::model::base::Base;
 use crate::numbers::linear::Bound;
 use rayon::prelude::*;
+
+/// Judged cut-offs, the lowest first.
+pub struct Ladder(Vec<Judged>);
+
+/// Number of rungs that are judged together.
+const AT_ONCE: usize = 2;
+/// Rungs whose squares are this multiple of the best are past it.
+const PAST: f64 = 1.2;
 
 /// Cross-validated squares at a cut-off.
 struct Judged {
@@ -18,39 +26,64 @@ struct Judged {
     held: f64,
 }
 
-/// The lowest cut-off of a ladder whose cross-validated squares are within a few percent of the best; never inside the
-/// band of any span, nor where the declared model itself drowns in the noise of its derivatives. Free parameters hide
-/// that, since a mass that multiplies noise is fitted as zero.
-pub fn choose(base: &Base, train: &[UnfilteredSpan]) -> Option<f64> {
+/// Cut-offs of a ladder, judged: never inside the band of any span. The force is described by everyday laws, and by the
+/// columns that `more` gives for a motion.
+pub fn ladder(
+    base: &Base,
+    train: &[UnfilteredSpan],
+    more: impl Fn(&Track) -> Vec<Vec<f64>> + Sync,
+) -> Ladder {
     let half_rate = 0.5 / train[0].interval_s();
     let each = train.iter().map(|s| s.past_band_hz(0.0));
     let lowest = each.fold(0.0, f64::max);
     let step = (half_rate / lowest).powf(1.0 / (CUTOFFS - 1) as f64);
     let ladder: Vec<f64> = (0..CUTOFFS).map(|i| lowest * step.powi(i as i32)).collect();
-    let judged: Vec<Judged> = ladder
-        .par_iter()
-        .filter_map(|&hz| {
-            let hz_used = if hz > 0.99 * half_rate {
-                f64::INFINITY
-            } else {
-                hz
-            };
-            let tracks: Vec<Track> = train.iter().map(|s| s.track(hz_used)).collect();
-            let [free, held] = squares(base, &tracks)?;
-            Some(Judged { hz, free, held })
-        })
-        .collect();
-    let least = |of: fn(&Judged) -> f64| judged.iter().map(of).fold(f64::INFINITY, f64::min);
-    let most_held = CUTOFF_HOLDS * least(|j| j.held);
-    let clear = || judged.iter().filter(|j| j.held <= most_held);
-    let best = clear().map(|j| j.free).fold(f64::INFINITY, f64::min);
-    clear().find(|j| j.free <= CUTOFF_ROOM * best).map(|j| j.hz)
+    let judge = |&hz: &f64| {
+        let hz_used = if hz > 0.99 * half_rate {
+            f64::INFINITY
+        } else {
+            hz
+        };
+        let tracks: Vec<Track> = train.iter().map(|s| s.track(hz_used)).collect();
+        let [free, held] = squares(base, &tracks, &more)?;
+        Some(Judged { hz, free, held })
+    };
+    let mut judged: Vec<Judged> = Vec::new();
+    let mut best = f64::INFINITY;
+    for rungs in ladder.chunks(AT_ONCE) {
+        let own: Vec<Judged> = rungs.par_iter().filter_map(judge).collect();
+        let least = own.iter().map(|j| j.free).fold(f64::INFINITY, f64::min);
+        judged.extend(own);
+        // Noise grows with every further rung.
+        if least > PAST * best {
+            break;
+        }
+        best = best.min(least);
+    }
+    Ladder(judged)
+}
+
+impl Ladder {
+    /// The lowest cut-off whose cross-validated squares are within a factor of the best, but not where the declared model
+    /// itself drowns in the noise of its derivatives. Free parameters hide that, since a mass that multiplies noise is
+    /// fitted as zero.
+    pub fn lowest(&self, room: f64) -> Option<f64> {
+        let least = |of: fn(&Judged) -> f64| self.0.iter().map(of).fold(f64::INFINITY, f64::min);
+        let most_held = CUTOFF_HOLDS * least(|j| j.held);
+        let clear = || self.0.iter().filter(|j| j.held <= most_held);
+        let best = clear().map(|j| j.free).fold(f64::INFINITY, f64::min);
+        clear().find(|j| j.free <= room * best).map(|j| j.hz)
+    }
 }
 
 /// Cross-validated squares of a model of common columns: with all parameters free, and with the declared ones held
 /// within their tolerances. Free damping and mass are at least the declared ones: otherwise a mass that multiplies
 /// noise is fitted as zero, and no cut-off is too high.
-fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
+fn squares(
+    base: &Base,
+    tracks: &[Track],
+    more: impl Fn(&Track) -> Vec<Vec<f64>>,
+) -> Option<[f64; 2]> {
     let sizes = MotionScales::of(tracks);
     let everyday = [
         Element::new(Law::Saturating, [0.05 * sizes.v]),
@@ -67,6 +100,12 @@ fn squares(base: &Base, tracks: &[Track]) -> Option<[f64; 2]> {
     let declared = (0..DECLARED).map(|i| column(&|t| t.declared_columns()[i].clone()));
     let mut columns: Vec<Vec<f64>> = declared.collect();
     columns.extend(everyday.iter().map(|e| column(&|t| e.force(t, &sizes))));
+    let others: Vec<Vec<Vec<f64>>> = tracks.iter().map(more).collect();
+    for i in 0..others.first().map_or(0, Vec::len) {
+        let own = tracks.iter().zip(&others);
+        let each = own.flat_map(|(t, own)| t.column_of(&own[i], 1));
+        columns.push(each.collect());
+    }
     let force: Vec<f64> = tracks.iter().flat_map(|t| t.force.clone()).collect();
     let block = |b: usize| b * force.len() / BLOCKS..(b + 1) * force.len() / BLOCKS;
     let parts = (0..BLOCKS).map(|b| Equations::of(&columns, &force, block(b)));

@@ -77,7 +77,8 @@ impl Figures<'_, '_> {
             }
         }
         let unknowns = self.unknowns();
-        let covariance = self.data.covariance(self.fit, &unknowns);
+        let at = self.data.linearised(self.fit, &unknowns);
+        let scatter = at.map(|at| (at.covariance(), self.data.shift(self.fit, &at)));
         let of = |name: Effect| {
             let here = self.values(self.fit, name);
             let mut gradient = DMatrix::zeros(here.len(), unknowns.len());
@@ -92,7 +93,7 @@ impl Figures<'_, '_> {
                     gradient[(i, j)] = (there.2 - here[i].2) / step;
                 }
             }
-            let around = interval::around(here, &gradient, covariance.as_ref());
+            let around = interval::around(here, &gradient, scatter.as_ref());
             (name, self.as_far_as_declared(name, around))
         };
         names.into_iter().map(of).collect()

@@ -11,7 +11,8 @@
 //! posterior  the probability of each name                         verdict    the decision on them
 //! settle     the chosen model fitted down to the noise            sliding    friction where it slides
 //! unknowns   what a fit may move, with its covariance             figures    a name's parameters with intervals
-//! asked      what an answer needs from a channel                  one_each   one model per name, for the next test
+//! elsewhere  another cut-off, judged with what was found          asked      what an answer needs from a channel
+//! one_each   one model per name, for the next test
 //! ```
 //!
 //! The engine expects records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the
@@ -26,6 +27,7 @@ pub mod beam;
 mod bounded;
 mod cutoff;
 pub mod drivetrain;
+mod elsewhere;
 mod exact;
 mod figures;
 mod free;
@@ -73,8 +75,13 @@ const DESCRIBE: usize = 2;
 /// Price of a law without a name beyond that of such a model, nats: one rig in twenty.
 const NAMED_INSTEAD: f64 = 3.0;
 
-/// Searches a specimen's channel and decides; `None` if no model can be fitted.
-pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<SpecimenModelFit>> {
+/// Searches a specimen's channel and decides; `None` if no model can be fitted. What was found at another cut-off is tried in
+/// any case.
+pub fn specimen(
+    data: &mut SpecimenData,
+    noise: KnownNoise,
+    before: Option<&SpecimenModelFit>,
+) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
     let (atoms, mut found) = data.searched();
     if !noise.told {
@@ -85,7 +92,8 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
             found = data.searched().1;
         }
     }
-    let mut fits = polished(data, &atoms, &found)?;
+    let before = before.map(|fit| fit.terms.clone());
+    let mut fits = polished(data, &atoms, &found, before)?;
     fits.push(data.polished(&[])?);
     data.weigh_samples(&mut fits);
     let declared = fits.last()?.clone();
@@ -138,6 +146,7 @@ fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
     found: &[search::Scored],
+    before: Option<Vec<Term>>,
 ) -> Option<Vec<SpecimenModelFit>> {
     let best = found.first()?.evidence.score();
     let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
@@ -153,9 +162,10 @@ fn polished(
         .iter()
         .filter(|s| s.atoms.len() == 1)
         .take(beam::ALONE);
-    for single in singles.map(|s| s.atoms.iter().map(term).collect::<Vec<_>>()) {
-        if !starts.contains(&single) {
-            starts.push(single);
+    let singles = singles.map(|s| s.atoms.iter().map(term).collect::<Vec<_>>());
+    for start in singles.chain(before) {
+        if !starts.contains(&start) {
+            starts.push(start);
         }
     }
     let all = |starts: Vec<Vec<Term>>| -> Vec<SpecimenModelFit> {

@@ -141,11 +141,14 @@ impl SpecimenData<'_> {
         let mut all = self.freedoms(fit);
         all.retain(|f| f.is_inside(fit) && !matches!(f.unknown, Unknown::Shape(..)));
         let own = |f: &Freedom| matches!(f.unknown, Unknown::Strength(t, _) if terms.contains(&t));
-        let Some(covariance) = self.covariance(fit, &all) else {
+        let Some(at) = self.linearised(fit, &all) else {
             return 0.0;
         };
-        let at: Vec<usize> = (0..all.len()).filter(|i| own(&all[*i])).collect();
-        let pairs = at.iter().flat_map(|i| at.iter().map(move |j| (*i, *j)));
+        let covariance = at.covariance();
+        let these: Vec<usize> = (0..all.len()).filter(|i| own(&all[*i])).collect();
+        let pairs = these
+            .iter()
+            .flat_map(|i| these.iter().map(move |j| (*i, *j)));
         let variance: f64 = pairs.map(|place| covariance[place]).sum();
         variance.max(0.0).sqrt()
     }

@@ -8,15 +8,19 @@ use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
 use super::score::{Evidence, Score, edges};
 use super::search::{Atom, DECLARED, Scored, Search};
+use crate::criteria::CUTOFF_ROOM;
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
 use crate::numbers::linear::{Bound, dot};
 use crate::numbers::signals::{add_columns, add_scaled, averaged};
-use crate::prepare::input;
+use crate::prepare::{input, noise};
 use crate::record::recording::Recording;
 use crate::record::rest;
 use plant::Effect;
 use rayon::prelude::*;
+
+/// Noise of this size added to its like doubles it.
+const ROOT_3: f64 = 1.732;
 
 /// A law with its shape values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +70,13 @@ impl SpecimenModelFit {
 /// Training data of a specimen.
 #[derive(Debug)]
 pub struct SpecimenData<'a> {
-    base: &'a Base,
+    /// The declared model.
+    pub base: &'a Base,
+    /// The records without their rests.
+    pub moving: Vec<Recording>,
     motions: Vec<Motion>,
+    /// True if each record has a rest; if they have one speed.
+    pub told: [bool; 2],
     /// Reference sizes for all quantities.
     pub sizes: Sizes,
     /// The law table.
@@ -86,16 +95,27 @@ impl<'a> SpecimenData<'a> {
     /// From records without effects already in the model; `None` if a signal is missing or the equations are singular.
     pub fn new(base: &'a Base, train: &[Recording]) -> Option<Self> {
         let rests = train.iter().all(|r| !rest::spans(r).is_empty());
+        let one_speed = input::has_one_speed(train);
         let moving: Vec<Recording> = train.iter().map(rest::without).collect();
+        let ladder = cutoff::ladder(base, &spans(&moving)?, |_| Vec::new());
+        let cutoff_hz = ladder.lowest(CUTOFF_ROOM)?;
+        Self::below(cutoff_hz, base, moving, [rests, one_speed])
+    }
+
+    /// From records without their rests.
+    pub fn below(
+        cutoff_hz: f64,
+        base: &'a Base,
+        moving: Vec<Recording>,
+        told @ [rests, one_speed]: [bool; 2],
+    ) -> Option<Self> {
         let sources = spans(&moving)?;
-        let cutoff_hz = cutoff::choose(base, &sources)?;
         let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
         let every = thinning(&tracks, cutoff_hz);
         let scales = MotionScales::of(&tracks);
         let motions: Vec<Motion> = tracks.into_iter().map(|t| Motion::new(t, base)).collect();
         let line_hz = motions.iter().max_by_key(|m| m.track.force.len());
         let line_hz = line_hz.and_then(Motion::line_hz);
-        let one_speed = input::has_one_speed(train);
         let sizes = sizes(scales, &motions, base, line_hz, one_speed);
         let own = |m: &Motion| averaged(&m.track.force, every);
         let target: Vec<f64> = motions.iter().flat_map(own).collect();
@@ -110,7 +130,9 @@ impl<'a> SpecimenData<'a> {
         Some(Self {
             rows: table(&sizes, rests, base.within_tolerances(1).low > 0.0),
             base,
+            moving,
             motions,
+            told,
             sizes,
             every,
             cutoff_hz,
@@ -122,17 +144,7 @@ impl<'a> SpecimenData<'a> {
 
     /// A column over all records, averaged.
     pub fn stacked(&self, of: impl Fn(&Motion) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        for motion in &self.motions {
-            for (i, column) in of(motion).iter().enumerate() {
-                let own = motion.track.column_of(column, self.every);
-                match all.get_mut(i) {
-                    Some(column) => column.extend(own),
-                    None => all.push(own),
-                }
-            }
-        }
-        all
+        stacked(&self.motions, self.every, of)
     }
 
     /// Bounds of the declared parameters: within their tolerances, and freed from them.
@@ -307,10 +319,31 @@ impl<'a> SpecimenData<'a> {
 
     /// A model's force for the training data as searched.
     pub fn answered(&self, fit: &SpecimenModelFit) -> Vec<f64> {
+        self.answered_along(&self.motions, fit)
+    }
+
+    /// The same with as much noise of the displacement added as doubles it, or subtracted.
+    pub fn answered_at_twice_the_noise(&self, fit: &SpecimenModelFit, sign: f64) -> Vec<f64> {
+        let shaken = self.moving.iter().zip(&self.motions).map(|(r, m)| {
+            let mut track = m.track.clone();
+            let x = r.displacement_mm.as_deref().unwrap_or_default();
+            if let Some(mut noise) = noise::like(x, r.interval_s(), track.samples()) {
+                noise.iter_mut().for_each(|n| *n *= sign * ROOT_3);
+                track.shake(&noise, self.cutoff_hz);
+            }
+            Motion::new(track, self.base)
+        });
+        self.answered_along(&shaken.collect::<Vec<Motion>>(), fit)
+    }
+
+    fn answered_along(&self, motions: &[Motion], fit: &SpecimenModelFit) -> Vec<f64> {
         let mut y = vec![0.0; self.target.len()];
         let mut strengths = fit.declared.to_vec();
         strengths.extend(fit.strengths.iter().flatten());
-        let columns = self.columns_on(&fit.terms, &fit.specimen());
+        let (rows, sizes, on) = (&self.rows, &self.sizes, fit.specimen());
+        let columns = stacked(motions, self.every, |m| {
+            model_columns(m, rows, &fit.terms, sizes, &on)
+        });
         add_columns(&mut y, &columns, &strengths, 1.0);
         y
     }
@@ -341,7 +374,27 @@ impl<'a> SpecimenData<'a> {
     }
 }
 
-fn spans(records: &[Recording]) -> Option<Vec<UnfilteredSpan<'_>>> {
+/// A column over all motions, averaged over `every` samples.
+fn stacked(
+    motions: &[Motion],
+    every: usize,
+    of: impl Fn(&Motion) -> Vec<Vec<f64>>,
+) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for motion in motions {
+        for (i, column) in of(motion).iter().enumerate() {
+            let own = motion.track.column_of(column, every);
+            match all.get_mut(i) {
+                Some(column) => column.extend(own),
+                None => all.push(own),
+            }
+        }
+    }
+    all
+}
+
+/// Records as spans; `None` if a signal is missing.
+pub fn spans(records: &[Recording]) -> Option<Vec<UnfilteredSpan<'_>>> {
     records.iter().map(UnfilteredSpan::new).collect()
 }
 
@@ -352,7 +405,7 @@ pub fn late_s(rows: &[Row], terms: &[Term]) -> Option<f64> {
 }
 
 /// Columns of a model over a motion, declared ones first; a stage has no column but delays all others.
-fn model_columns(
+pub fn model_columns(
     m: &Motion,
     rows: &[Row],
     terms: &[Term],

@@ -12,8 +12,9 @@ use rayon::prelude::*;
 /// Step for a slope, relative to the unknown or to its unit.
 const STEP: f64 = 1e-3;
 
-/// Number of segments whose pulls give the scatter of a fit.
+/// Number of segments whose pulls give the scatter of a fit, and further numbers: fewer capture longer correlations.
 const SEGMENTS: usize = 24;
+const MORE_SEGMENTS: [usize; 2] = [12, 48];
 
 /// Least pull of segments relative to that of noise: the pull of samples left out is zero, and must not be scaled up.
 const LEAST_PULL: f64 = 0.1;
@@ -118,20 +119,16 @@ impl SpecimenData<'_> {
         freedoms.par_iter().map(slope).collect()
     }
 
-    /// Covariance of the unknowns, from how far segments of the record pull the fit apart.
-    pub fn covariance(&self, fit: &SpecimenModelFit, unknowns: &[Freedom]) -> Option<DMatrix<f64>> {
+    /// A fit's response to its unknowns, as weighed; `None` without any, or if they cannot be told apart at all.
+    pub fn linearised(&self, fit: &SpecimenModelFit, unknowns: &[Freedom]) -> Option<Linearised> {
         let n = unknowns.len();
         if n == 0 {
             return None;
         }
         let (weights, residual) = self.weighed(fit);
-        let root = |c: &[f64]| -> Vec<f64> {
-            let own = c.iter().zip(&weights);
-            own.map(|(x, w)| x * w.sqrt()).collect()
-        };
-        let residual = root(&residual);
+        let root: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
         let columns = self.slopes_of(fit, unknowns);
-        let columns: Vec<Vec<f64>> = columns.iter().map(|c| root(c)).collect();
+        let columns: Vec<Vec<f64>> = columns.iter().map(|c| product(c, &root)).collect();
         let size: Vec<f64> = columns
             .iter()
             .map(|c| dot(c, c).max(f64::MIN_POSITIVE).sqrt())
@@ -139,26 +136,87 @@ impl SpecimenData<'_> {
         let bread = DMatrix::from_fn(n, n, |i, j| {
             dot(&columns[i], &columns[j]) / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
         });
-        let inverse = bread.cholesky()?.inverse();
-        let samples = residual.len();
-        let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-        for k in 0..SEGMENTS {
-            let (a, b) = (k * samples / SEGMENTS, (k + 1) * samples / SEGMENTS);
-            let pull =
-                DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &residual[a..b]) / size[i]);
-            pulls += &pull * pull.transpose();
-        }
-        if fit.evidence.left_rms() < LEAVES_NOISE {
-            // At least that of the noise alone: a few segments can agree by chance. Rows and columns scale together, so
-            // that what cannot be told apart stays so.
-            let grow = |i: usize| pulls[(i, i)].clamp(LEAST_PULL, 1.0).sqrt().recip();
-            let grow = DVector::from_fn(n, |i, _| grow(i));
-            pulls = DMatrix::from_fn(n, n, |i, j| pulls[(i, j)] * grow[i] * grow[j]);
-        }
-        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
-        let all = &inverse * pulls * &inverse * (SEGMENTS as f64 / free);
-        Some(DMatrix::from_fn(n, n, |i, j| {
-            all[(i, j)] / size[i] / size[j]
-        }))
+        Some(Linearised {
+            inverse: bread.cholesky()?.inverse(),
+            residual: product(&residual, &root),
+            columns,
+            size,
+            root,
+            leaves_noise: fit.evidence.left_rms() < LEAVES_NOISE,
+        })
     }
+
+    /// How far the unknowns have been shifted by the noise of the displacement. At a reversal noise goes further than the
+    /// motion, and so widens every gap; it does not average out. As much as the fit would move at twice this noise.
+    pub fn shift(&self, fit: &SpecimenModelFit, at: &Linearised) -> DVector<f64> {
+        let here = self.answered(fit);
+        let [up, down] = [1.0, -1.0].map(|sign| self.answered_at_twice_the_noise(fit, sign));
+        let more = up.iter().zip(&down).zip(&here);
+        // Both signs: what is proportional to the noise is in the scatter already.
+        let change: Vec<f64> = more.map(|((a, b), h)| 0.5 * (a + b) - h).collect();
+        -at.step(&change)
+    }
+}
+
+/// A fit's response to small changes of its unknowns.
+#[derive(Debug)]
+pub struct Linearised {
+    columns: Vec<Vec<f64>>,
+    /// The norms of the columns.
+    size: Vec<f64>,
+    /// Of the normal equations of columns with norm 1.
+    inverse: DMatrix<f64>,
+    residual: Vec<f64>,
+    /// The roots of the samples' weights.
+    root: Vec<f64>,
+    leaves_noise: bool,
+}
+
+impl Linearised {
+    /// Step of the unknowns for a change of the data.
+    fn step(&self, change: &[f64]) -> DVector<f64> {
+        let change = product(change, &self.root);
+        let own = self.columns.iter().zip(&self.size);
+        let pull: Vec<f64> = own.map(|(c, size)| dot(c, &change) / size).collect();
+        let step = &self.inverse * DVector::from_vec(pull);
+        DVector::from_fn(self.size.len(), |i, _| step[i] / self.size[i])
+    }
+
+    /// Covariance of the unknowns, from how far segments of the record pull the fit apart.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let (n, size, columns, residual) =
+            (self.size.len(), &self.size, &self.columns, &self.residual);
+        let pulls_of = |segments: usize| {
+            let samples = residual.len();
+            let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
+            for k in 0..segments {
+                let (a, b) = (k * samples / segments, (k + 1) * samples / segments);
+                let pull =
+                    DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &residual[a..b]) / size[i]);
+                pulls += &pull * pull.transpose();
+            }
+            pulls
+        };
+        let pulls = pulls_of(SEGMENTS);
+        let mut most = pulls.diagonal();
+        for segments in MORE_SEGMENTS {
+            most = most.sup(&pulls_of(segments).diagonal());
+        }
+        // At least that of the noise alone: a few segments can agree by chance.
+        let least = if self.leaves_noise { 1.0 } else { 0.0 };
+        // Rows and columns scale together, so that what cannot be told apart stays so.
+        let grow = |i: usize| {
+            let own = pulls[(i, i)].max(LEAST_PULL * least);
+            (most[i].max(least) / own.max(f64::MIN_POSITIVE)).sqrt()
+        };
+        let grow = DVector::from_fn(n, |i, _| grow(i));
+        let pulls = DMatrix::from_fn(n, n, |i, j| pulls[(i, j)] * grow[i] * grow[j]);
+        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
+        let all = &self.inverse * pulls * &self.inverse * (SEGMENTS as f64 / free);
+        DMatrix::from_fn(n, n, |i, j| all[(i, j)] / size[i] / size[j])
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

@@ -13,20 +13,26 @@ const BLOCK_S: f64 = 0.25;
 /// Lengths of the sandwich's blocks, s.
 const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// Values with their intervals, from how they change with the unknowns and how those vary together; without that they are
-/// not known at all.
+/// Values with their intervals, from how they change with the unknowns, how those vary together and how far they may have
+/// been shifted; without that they are not known at all.
 pub fn around(
     values: Vec<(&'static str, &'static str, f64)>,
     gradient: &DMatrix<f64>,
-    covariance: Option<&DMatrix<f64>>,
+    unknowns: Option<&(DMatrix<f64>, DVector<f64>)>,
 ) -> Vec<ParameterEstimate> {
-    let spread = covariance.map(|c| gradient * c * gradient.transpose());
-    let half = |i: usize| {
-        spread
-            .as_ref()
-            .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt())
+    let spread = unknowns.map(|(c, shift)| (gradient * c * gradient.transpose(), gradient * shift));
+    let about = |i: usize, value: f64| {
+        let Some((spread, shift)) = &spread else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        let half = NINETY * spread[(i, i)].max(0.0).sqrt();
+        // A value that was shifted upwards is lower in truth.
+        [
+            value - half - shift[i].max(0.0),
+            value + half + (-shift[i]).max(0.0),
+        ]
     };
-    let with = |(i, (name, unit, value))| (name, unit, value, [value - half(i), value + half(i)]);
+    let with = |(i, (name, unit, value))| (name, unit, value, about(i, value));
     values.into_iter().enumerate().map(with).collect()
 }
 

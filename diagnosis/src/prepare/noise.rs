@@ -28,6 +28,11 @@ pub struct Noise {
     at_rest: Vec<Vec<f64>>,
 }
 
+/// As many samples of noise like that of a signal above the band of its motion; none if it is too short for a spectrum.
+pub fn like(signal: &[f64], interval_s: f64, samples: usize) -> Option<Vec<f64>> {
+    Some(Above::of(signal, signal, interval_s, None)?.sample(samples, interval_s))
+}
+
 /// How the noise was determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseSource {

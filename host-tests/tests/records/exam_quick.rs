@@ -218,3 +218,25 @@ fn a_wrong_scale_that_bends_is_in_the_set_with_the_spring_that_does() {
         );
     }
 }
+
+/// What noise widens at every reversal, a stop beside an offset, a force above the cut-off of the first search, the place where
+/// a stiffness has doubled.
+#[test]
+fn intervals_hold_a_gap_in_noise_a_stop_a_slip_and_a_doubled_stiffness() {
+    for (id, number) in [
+        ("matched-7300021", "backlash.width_mm"),
+        ("matched-7300025", "saturation.limit_mm"),
+        ("matched-7300104", "slip_gap.slip_n"),
+        ("matched-7300031", "hardening.reference_mm"),
+    ] {
+        let item = Item::from_id(id).unwrap();
+        let marked = run_exam(&[item], |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+        let all = estimates(&marked[0]);
+        let own = all.iter().find(|e| e.name == number);
+        let own = own.unwrap_or_else(|| panic!("{id}: {}", said(&marked[0])));
+        assert!(own.holds(), "{id}: {own:?}");
+        // Not by being wide.
+        let half = 0.5 * (own.ci90[1] - own.ci90[0]);
+        assert!(half < 0.1 * own.truth, "{id}: {own:?}");
+    }
+}

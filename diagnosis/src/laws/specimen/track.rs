@@ -3,7 +3,7 @@
 use super::band::Band;
 use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, SEARCHED};
-use crate::numbers::signals::{Signals, averaged, clear, peak};
+use crate::numbers::signals::{Signals, add_scaled, averaged, clear, peak};
 use crate::record::recording::{Recording, begins_at_rest, range};
 use crate::record::rest;
 use crate::record::spectrum::motion_band_hz;
@@ -171,6 +171,20 @@ impl Track {
             force: Vec::new(),
             unmeasured: Vec::new(),
         }
+    }
+
+    /// Number of the record's samples that span the whole motion.
+    pub fn samples(&self) -> usize {
+        self.x.len().div_ceil(self.fine) + 1
+    }
+
+    /// Adds noise of the record's sampling rate, as it is below the cut-off.
+    pub fn shake(&mut self, noise: &[f64], cutoff_hz: f64) {
+        let interval_s = self.interval_s * self.fine as f64;
+        let noise = Band::new(noise, interval_s).motion(cutoff_hz, self.fine);
+        add_scaled(&mut self.x, &noise.x, 1.0);
+        add_scaled(&mut self.v, &noise.v, 1.0);
+        add_scaled(&mut self.a, &noise.a, 1.0);
     }
 
     /// Length of the span, samples.
