@@ -107,7 +107,7 @@ const RIGS: [(Effect, Force, Truth); 7] = [
         Effect::Hardening,
         |x, _| x.iter().map(|x| 2.0 * x.powi(3)).collect(),
         |name, e| match name {
-            "stiffness_added_at_largest_n_per_mm" => Some(2.0 * value(e, "largest_mm").powi(2)),
+            "stiffness_added_n_per_mm" => Some(2.0 * value(e, "at_mm").powi(2)),
             "reference_mm" => Some((STIFFNESS_N_PER_MM / 2.0).sqrt()),
             "exponent" => Some(2.0),
             _ => None,

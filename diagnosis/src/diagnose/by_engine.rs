@@ -119,8 +119,10 @@ impl ChannelDiagnosis<'_> {
         let (mut found, mut noise) = search(&mut data, None)?;
         // What is missing hides how fast the rig moves; what was found shows it.
         let elsewhere = |fit| Some((fit, data.cut_off_elsewhere(fit)?));
-        if let Some((fit, mut again)) = found.leading().and_then(elsewhere) {
-            (found, noise) = search(&mut again, Some(fit))?;
+        if let Some((fit, mut again)) = found.leading().and_then(elsewhere)
+            && let Some(second) = search(&mut again, Some(fit))
+        {
+            (found, noise) = second;
             data = again;
         }
         let told = noise.from == NoiseSource::Rest;

@@ -45,14 +45,11 @@ impl ChannelDiagnosis<'_> {
         None
     }
 
-    /// An output that is at its ends again and again, if the answer names effects but no limit.
+    /// An output that is at its ends again and again, if the answer names effects, and the likeliest are no limit.
     pub(super) fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
         let mut named = answer.effects.iter().map(|e| e.name);
         let limit = Effect::Saturation;
-        if answer.effects.is_empty()
-            || named.any(|e| e == limit)
-            || answer.alternatives.contains(&limit)
-        {
+        if answer.effects.is_empty() || named.any(|e| e == limit) {
             return None;
         }
         let (what, unit) = match self.base.channel {

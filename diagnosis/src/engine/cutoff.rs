@@ -55,7 +55,7 @@ pub fn ladder(
         let least = own.iter().map(|j| j.free).fold(f64::INFINITY, f64::min);
         judged.extend(own);
         // Noise grows with every further rung.
-        if least > PAST * best {
+        if least.is_finite() && least > PAST * best {
             break;
         }
         best = best.min(least);

@@ -17,6 +17,10 @@ const MOTION_CUT: f64 = 1.3;
 impl SpecimenData<'_> {
     /// The same data below another cut-off, if this model puts the limit between motion and noise clearly elsewhere.
     pub fn cut_off_elsewhere(&self, fit: &SpecimenModelFit) -> Option<Self> {
+        // A delay of the force is judged at every cut-off by the declared columns, which the ladder has without it.
+        if self.late_s(fit).is_some() {
+            return None;
+        }
         let is_shape = |f: &Freedom| matches!(f.unknown, Unknown::Shape(..));
         let shapes: Vec<(SpecimenModelFit, f64)> =
             (self.freedoms(fit).iter().filter(|f| is_shape(f)))

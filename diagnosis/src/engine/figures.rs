@@ -109,8 +109,9 @@ impl Figures<'_, '_> {
         if name == Effect::GainError && stiffness != 0.0 {
             let share = NINETY * self.data.tolerance(0) / stiffness.abs();
             for (_, _, error, ci90) in &mut all {
-                let half = (0.5 * (ci90[1] - ci90[0])).hypot(share * (1.0 + *error));
-                *ci90 = [*error - half, *error + half];
+                let known = share * (1.0 + *error);
+                let [below, above] = [*error - ci90[0], ci90[1] - *error];
+                *ci90 = [*error - below.hypot(known), *error + above.hypot(known)];
             }
         }
         all

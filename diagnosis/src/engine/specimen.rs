@@ -322,18 +322,24 @@ impl<'a> SpecimenData<'a> {
         self.answered_along(&self.motions, fit)
     }
 
-    /// The same with as much noise of the displacement added as doubles it, or subtracted.
-    pub fn answered_at_twice_the_noise(&self, fit: &SpecimenModelFit, sign: f64) -> Vec<f64> {
-        let shaken = self.moving.iter().zip(&self.motions).map(|(r, m)| {
-            let mut track = m.track.clone();
-            let x = r.displacement_mm.as_deref().unwrap_or_default();
-            if let Some(mut noise) = noise::like(x, r.interval_s(), track.samples()) {
-                noise.iter_mut().for_each(|n| *n *= sign * ROOT_3);
-                track.shake(&noise, self.cutoff_hz);
-            }
-            Motion::new(track, self.base)
-        });
-        self.answered_along(&shaken.collect::<Vec<Motion>>(), fit)
+    /// The same with as much noise of the displacement added as doubles it, and with its negative.
+    pub fn answered_at_twice_the_noise(&self, fit: &SpecimenModelFit) -> [Vec<f64>; 2] {
+        // A short record does not show its noise.
+        let longest = self.moving.iter().max_by_key(|r| r.time_s.len());
+        let noise = |samples: usize| {
+            let r = longest?;
+            noise::like(r.displacement_mm.as_deref()?, r.interval_s(), samples)
+        };
+        [ROOT_3, -ROOT_3].map(|times| {
+            let shaken = self.motions.iter().map(|m| {
+                let mut track = m.track.clone();
+                if let Some(noise) = noise(track.samples()) {
+                    track.shake(&noise, times, self.cutoff_hz);
+                }
+                Motion::new(track, self.base)
+            });
+            self.answered_along(&shaken.collect::<Vec<Motion>>(), fit)
+        })
     }
 
     fn answered_along(&self, motions: &[Motion], fit: &SpecimenModelFit) -> Vec<f64> {

@@ -150,7 +150,7 @@ impl SpecimenData<'_> {
     /// motion, and so widens every gap; it does not average out. As much as the fit would move at twice this noise.
     pub fn shift(&self, fit: &SpecimenModelFit, at: &Linearised) -> DVector<f64> {
         let here = self.answered(fit);
-        let [up, down] = [1.0, -1.0].map(|sign| self.answered_at_twice_the_noise(fit, sign));
+        let [up, down] = self.answered_at_twice_the_noise(fit);
         let more = up.iter().zip(&down).zip(&here);
         // Both signs: what is proportional to the noise is in the scatter already.
         let change: Vec<f64> = more.map(|((a, b), h)| 0.5 * (a + b) - h).collect();

@@ -26,6 +26,9 @@ pub fn around(
             return [f64::NEG_INFINITY, f64::INFINITY];
         };
         let half = NINETY * spread[(i, i)].max(0.0).sqrt();
+        if !(spread[(i, i)].is_finite() && shift[i].is_finite()) {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        }
         // A value that was shifted upwards is lower in truth.
         [
             value - half - shift[i].max(0.0),

@@ -28,9 +28,11 @@ pub struct Noise {
     at_rest: Vec<Vec<f64>>,
 }
 
-/// As many samples of noise like that of a signal above the band of its motion; none if it is too short for a spectrum.
-pub fn like(signal: &[f64], interval_s: f64, samples: usize) -> Option<Vec<f64>> {
-    Some(Above::of(signal, signal, interval_s, None)?.sample(samples, interval_s))
+/// As many samples of noise like that of a motion's reading; none if it is too short for a spectrum.
+pub fn like(reading: &[f64], interval_s: f64, samples: usize) -> Option<Vec<f64>> {
+    let above = Above::of(reading, reading, interval_s, None)?;
+    let most = neighbours::rms(reading, reading, interval_s);
+    Some(at_most(above.sample(samples, interval_s), most))
 }
 
 /// How the noise was determined.
@@ -184,14 +186,18 @@ fn above(
     let longest = (0..residuals.len()).max_by_key(|i| residuals[*i].len())?;
     let (residual, input) = (&residuals[longest], inputs[longest]);
     let above = Above::of(residual, input, interval_s, quiet_hz)?;
-    let mut sample = above.sample(residual.len(), interval_s);
-    // The spectrum above a motion also contains its harmonics.
+    let sample = above.sample(residual.len(), interval_s);
     let most = neighbours::rms(residual, input, interval_s);
+    Some((at_most(sample, most), above.sure))
+}
+
+/// A sample of noise scaled down to a known rms: the spectrum above a motion also contains its harmonics.
+fn at_most(mut sample: Vec<f64>, most: Option<f64>) -> Vec<f64> {
     let seen = rms(std::slice::from_ref(&sample));
     if let Some(most) = most.filter(|m| *m < seen) {
         sample.iter_mut().for_each(|s| *s *= most / seen);
     }
-    Some((sample, above.sure))
+    sample
 }
 
 /// Removes mean and slope: drift at rest is not noise either.

@@ -2,6 +2,7 @@
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED};
 use crate::laws::drivetrain::part::{Part, PartKind};
+use crate::laws::drivetrain::signal_path::LEAST_LAG;
 use crate::model::interval;
 use crate::model::{Declared, Model};
 use plant::{Channel, Effect, EffectSpec};
@@ -45,6 +46,9 @@ impl ActuatorData<'_> {
             let scatter = (spread[i] / unit(i)).hypot(known) / p.per_error(had).abs();
             return vec![(p.error_parameter, p.error_unit(), error, scatter)];
         }
+        let mut declared = fit.declared;
+        // As the valve is simulated.
+        declared[2] = declared[2].max(LEAST_LAG * self.interval_s);
         let mut amplitude_at = DECLARED;
         let mut shape_at = DECLARED + fit.amplitudes.len();
         let mut out = Vec::new();
@@ -65,7 +69,7 @@ impl ActuatorData<'_> {
             if part.effect() != Some(name) {
                 continue;
             }
-            out.extend(part_figures(part, [strength, ss], scatter, &fit.declared));
+            out.extend(part_figures(part, [strength, ss], scatter, &declared));
         }
         out
     }
@@ -177,7 +181,7 @@ fn part_figures(
     declared: &[f64; DECLARED],
 ) -> Vec<Figure> {
     let [a, b, c, d] = part.shapes;
-    let (gain, lag_s) = (declared[0].abs(), declared[2].max(1e-6));
+    let (gain, lag_s) = (declared[0].abs(), declared[2]);
     match part.kind {
         PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
         PartKind::OilColumn => {
@@ -187,7 +191,8 @@ fn part_figures(
             }
             all
         }
-        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a / gain, sa / gain)],
+        // Of the command's lead, as in a model file.
+        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
         PartKind::TwoSpeeds => vec![("flow_difference", "", a, sa)],
         PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a * gain, 2.0 * sa * gain)],
         PartKind::FlowLimit => {
@@ -202,11 +207,11 @@ fn part_figures(
         PartKind::Stops => {
             // As in a model file: of the displacement, after gain and offset.
             let at = |stop: f64| (stop * declared[0] + declared[3]).abs();
-            let (limit, scatter) = if at(a) < at(b) {
-                (at(a), sa)
-            } else {
-                (at(b), sb)
-            };
+            // A stop that the motion does not reach has no scatter.
+            let both = [(at(a), sa), (at(b), sb)];
+            let reached = both.into_iter().filter(|s| s.1 > 0.0);
+            let nearest = reached.min_by(|s, t| s.0.total_cmp(&t.0));
+            let (limit, scatter) = nearest.unwrap_or(both[0]);
             vec![("limit_mm", "mm", limit, scatter * gain)]
         }
         PartKind::Friction => vec![
@@ -231,14 +236,14 @@ fn part_figures(
                 stiffness * stiffness * ss,
             )]
         }
-        PartKind::SideGain => vec![("difference", "", strength / gain, ss / gain)],
+        PartKind::SideGain => vec![("difference", "", strength / declared[0], ss / gain)],
         PartKind::Drift => vec![
             ("rate_mm_per_s", "mm/s", strength / a, ss / a),
             ("time_constant_s", "s", a, sa),
         ],
         PartKind::GainDrift => {
             let mut all = vec![
-                ("change", "", strength / gain, ss / gain),
+                ("change", "", strength / declared[0], ss / gain),
                 ("time_constant_s", "s", a, sa),
             ];
             if b > 0.0 {

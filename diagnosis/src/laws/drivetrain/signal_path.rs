@@ -32,6 +32,8 @@ pub struct SignalPath {
     pub parts: Vec<Part>,
 }
 
+/// Least lag of a valve, in samples: one without lag would follow within the sample.
+pub const LEAST_LAG: f64 = 0.3;
 /// Largest substep of a valve's equation, as a fraction of its time constant.
 const SUBSTEP: f64 = 0.25;
 /// Largest number of substeps: a faster valve settles within a sample.
@@ -103,8 +105,7 @@ impl SignalPath {
         if inside.is_empty() {
             return lagged(input, self.lag_s, h);
         }
-        // A valve without lag would follow within the sample.
-        let lag_s = self.lag_s.max(0.3 * h);
+        let lag_s = self.lag_s.max(LEAST_LAG * h);
         let flow = Flow::new(&inside, lag_s);
         let seal = Seal::new(&inside);
         let substeps = (h / (SUBSTEP * lag_s)).ceil().clamp(1.0, MOST_SUBSTEPS);

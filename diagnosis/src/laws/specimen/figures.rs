@@ -135,12 +135,12 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
 /// The same for springs that differ elsewhere, or used to differ.
 fn of_place(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
     let [p, q, r, s] = element.shape;
-    let largest = ("largest_mm", "mm", fit.sizes.x);
+    let at = ("at_mm", "mm", fit.sizes.x);
     match element.law {
         Law::PowerOfPlace => {
             let mut all = vec![
-                ("stiffness_added_at_largest_n_per_mm", "N/mm", strength),
-                largest,
+                ("stiffness_added_n_per_mm", "N/mm", strength),
+                at,
                 ("exponent", "", p),
             ];
             let doubled = fit.parameters[0] / strength;
@@ -163,7 +163,7 @@ fn of_place(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedVal
         }
         Law::Square => vec![
             ("stiffness_difference_n_per_mm", "N/mm", 2.0 * strength),
-            largest,
+            at,
         ],
         Law::Beyond if q == 0.0 => vec![
             (STIFFNESS_BEYOND, "N/mm", strength),
@@ -183,8 +183,8 @@ fn of_place(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedVal
             ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
         ],
         Law::Lessened => vec![
-            ("stiffness_lost_at_largest_n_per_mm", "N/mm", strength),
-            largest,
+            ("stiffness_lost_n_per_mm", "N/mm", strength),
+            at,
             ("exponent", "", p),
         ],
         _ => vec![

@@ -178,13 +178,13 @@ impl Track {
         self.x.len().div_ceil(self.fine) + 1
     }
 
-    /// Adds noise of the record's sampling rate, as it is below the cut-off.
-    pub fn shake(&mut self, noise: &[f64], cutoff_hz: f64) {
+    /// Adds a multiple of noise of the record's sampling rate, as it is below the cut-off.
+    pub fn shake(&mut self, noise: &[f64], times: f64, cutoff_hz: f64) {
         let interval_s = self.interval_s * self.fine as f64;
         let noise = Band::new(noise, interval_s).motion(cutoff_hz, self.fine);
-        add_scaled(&mut self.x, &noise.x, 1.0);
-        add_scaled(&mut self.v, &noise.v, 1.0);
-        add_scaled(&mut self.a, &noise.a, 1.0);
+        add_scaled(&mut self.x, &noise.x, times);
+        add_scaled(&mut self.v, &noise.v, times);
+        add_scaled(&mut self.a, &noise.a, times);
     }
 
     /// Length of the span, samples.
