@@ -5,17 +5,36 @@ pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
 use rustfft::FftPlanner;
+use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+thread_local! {
+    /// Plans that this thread has made.
+    static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
+}
+
 /// The transform of `n` points, in place and without a factor.
 pub fn forward(n: usize) -> Arc<dyn Fft<f64>> {
-    FftPlanner::new().plan_fft_forward(n)
+    PLANNER.with_borrow_mut(|p| p.plan_fft_forward(n))
 }
 
 /// Its inverse, without a factor: both one after the other multiply by `n`.
 pub fn inverse(n: usize) -> Arc<dyn Fft<f64>> {
-    FftPlanner::new().plan_fft_inverse(n)
+    PLANNER.with_borrow_mut(|p| p.plan_fft_inverse(n))
+}
+
+/// The shortest length of at least `n` that has no prime factor beyond 5: its transform takes a fraction of a prime's.
+pub fn quick_length(n: usize) -> usize {
+    let quick = |mut m: usize| {
+        for prime in [2, 3, 5] {
+            while m.is_multiple_of(prime) {
+                m /= prime;
+            }
+        }
+        m == 1
+    };
+    (n.max(1)..).find(|m| quick(*m)).unwrap_or(n)
 }
 
 /// Sums of an input's and an output's powers over windows that overlap by half, line by line from 0 Hz to below half the sampling

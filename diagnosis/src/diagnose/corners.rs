@@ -5,11 +5,12 @@ use crate::criteria::BAND_ROOM;
 use crate::criteria::specimen::{CORNER, LEFT_AT_CORNERS, MOST_CORNERS, MOST_CORNERS_HELD_OUT};
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, Verdict};
+use crate::numbers::reflected::Motion;
 use crate::numbers::signals::median;
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::Recording;
 use crate::record::rest;
-use crate::record::spectrum::{Motion, motion_band_hz, smooth};
+use crate::record::spectrum::{motion_band_hz, smooth};
 use plant::Channel;
 use std::ops::Range;
 

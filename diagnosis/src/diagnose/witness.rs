@@ -218,7 +218,7 @@ impl View {
             let constant = vec![1.0; m.x.len()];
             view.motion
                 .push(vec![constant, w.record.time_s.clone(), m.x, m.v, m.a, jerk]);
-            view.read.push(spectrum::smooth(&w.read, h, cutoff_hz).x);
+            view.read.push(spectrum::low_passed(&w.read, h, cutoff_hz));
             view.records.push(w.record.clone());
         }
         Some(view)

@@ -88,7 +88,7 @@ impl ChannelDesign {
                 Channel::Specimen => {
                     let x = r.displacement_mm.as_ref()?;
                     let band = spectrum::motion_band_hz(x, h).unwrap_or(0.03 / h);
-                    spectrum::smooth(x, h, (3.0 * band).min(0.3 / h)).x
+                    spectrum::low_passed(x, h, (3.0 * band).min(0.3 / h))
                 }
             };
             let planned = Planned {

@@ -3,4 +3,5 @@
 pub mod coherence;
 pub mod linear;
 pub mod operators;
+pub mod reflected;
 pub mod signals;

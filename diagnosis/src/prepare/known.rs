@@ -6,7 +6,7 @@ use crate::model::base::Base;
 use crate::numbers::signals::difference;
 use crate::prepare::problem::Problem;
 use crate::record::recording::Recording;
-use crate::record::spectrum::smooth;
+use crate::record::spectrum::low_passed;
 use plant::{Effect, Family};
 
 /// Records without the force of effects and elements that the model already has.
@@ -38,7 +38,7 @@ fn acts_on_steps(base: &Base) -> bool {
 /// The record without the displacement noise above a cut-off.
 fn of_smoothed_motion(record: &Recording, cutoff_hz: f64) -> Recording {
     let interval_s = record.interval_s();
-    let smoothed = |x: &Vec<f64>| smooth(x, interval_s, cutoff_hz).x;
+    let smoothed = |x: &Vec<f64>| low_passed(x, interval_s, cutoff_hz);
     Recording {
         displacement_mm: record.displacement_mm.as_ref().map(smoothed),
         ..record.clone()

@@ -3,6 +3,7 @@
 use crate::laws::library;
 use crate::laws::library::saved::fit_of;
 use crate::model::base::{Base, FreeParameter};
+use crate::numbers::reflected::Motion;
 use crate::numbers::signals::{
     Scales, Signals, Transfer, add_columns, add_scaled, derivative, difference, lagged, peak,
 };
@@ -51,7 +52,7 @@ fn segment(
         Channel::Specimen => {
             let clean = without_hum(displacement, &whole);
             let motion = match motion_mm {
-                Some(x) => spectrum::Motion::of(&x[x.len() - whole.time_s.len()..], h),
+                Some(x) => Motion::of(&x[x.len() - whole.time_s.len()..], h),
                 None => spectrum::smooth(&clean, h, cutoff_hz),
             };
             (
@@ -62,7 +63,7 @@ fn segment(
             )
         }
     };
-    let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
+    let low_passed = |f: &Vec<f64>| spectrum::low_passed(f, h, cutoff_hz);
     let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
     Some(Segment {
         signals: Signals {
@@ -74,7 +75,7 @@ fn segment(
             v,
             a,
             base: none(),
-            force: whole.force_n.as_ref().map_or_else(none, smooth),
+            force: whole.force_n.as_ref().map_or_else(none, low_passed),
             reading,
             command,
         },

@@ -1,81 +1,26 @@
 //! A measured displacement without its noise, with its derivatives: the input of the forces.
 
-use crate::numbers::signals::derivative;
+use crate::numbers::reflected::{Motion, Reflected, falls};
 use fourier::Complex;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-/// Displacement, velocity and acceleration, mm, mm/s, mm/s^2.
-#[derive(Clone, Debug)]
-pub struct Motion {
-    /// Displacement.
-    pub x: Vec<f64>,
-    /// Velocity.
-    pub v: Vec<f64>,
-    /// Acceleration.
-    pub a: Vec<f64>,
+/// Where the low-pass begins and where it ends, in parts of its cut-off: hardly any ringing.
+const FALLS: [f64; 2] = [0.7, 1.3];
+
+fn reflected(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Reflected {
+    Reflected::of(x, interval_s, (2.0 / interval_s / cutoff_hz) as usize + 8)
 }
 
-impl Motion {
-    /// From a displacement without noise.
-    pub fn of(x: &[f64], interval_s: f64) -> Self {
-        let v = derivative(x, interval_s);
-        let a = derivative(&v, interval_s);
-        Self {
-            x: x.to_vec(),
-            v,
-            a,
-        }
-    }
-}
-
-/// Zero-phase low-pass and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends meet
-/// with equal slope. `cutoff_hz` is the frequency at which the amplitude has fallen to a half.
+/// Zero-phase low-pass and derivatives of `x`. `cutoff_hz` is the frequency at which the amplitude has fallen to a half.
 pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
-    let n = x.len();
-    let pad = (n - 1).min((2.0 / interval_s / cutoff_hz) as usize + 8);
-    let odd = |end: f64, inner: f64| 2.0 * end - inner;
-    let mut series: Vec<f64> = (1..=pad).rev().map(|i| odd(x[0], x[i])).collect();
-    series.extend_from_slice(x);
-    series.extend((1..=pad).map(|i| odd(x[n - 1], x[n - 1 - i])));
-    // Remove a straight line from end to end, so that the period closes.
-    let m = series.len();
-    let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
-    let mut spectrum: Vec<Complex<f64>> = series
-        .iter()
-        .enumerate()
-        .map(|(i, s)| Complex::new(s - first - slope * i as f64, 0.0))
-        .collect();
-    fourier::forward(m).process(&mut spectrum);
-    let part = |order: i32| -> Vec<f64> {
-        let mut bins = spectrum.clone();
-        for (k, bin) in bins.iter_mut().enumerate() {
-            let signed = if 2 * k <= m {
-                k as f64
-            } else {
-                k as f64 - m as f64
-            };
-            let hz = signed / (m as f64 * interval_s);
-            let omega = Complex::new(0.0, TAU * hz);
-            *bin *= low_pass(hz.abs() / cutoff_hz) * omega.powi(order) / m as f64;
-        }
-        fourier::inverse(m).process(&mut bins);
-        bins[pad..pad + n].iter().map(|c| c.re).collect()
-    };
-    let (mut x, mut v, a) = (part(0), part(1), part(2));
-    for (i, x) in x.iter_mut().enumerate() {
-        *x += first + slope * (i + pad) as f64;
-    }
-    v.iter_mut().for_each(|v| *v += slope / interval_s);
-    Motion { x, v, a }
+    let low_pass = falls(FALLS.map(|part| part * cutoff_hz));
+    reflected(x, interval_s, cutoff_hz).motion(low_pass, 1)
 }
 
-/// 1 up to 0.7 of the cut-off, 0 from 1.3 of it on, with half a cosine between: hardly any ringing.
-fn low_pass(relative: f64) -> f64 {
-    match (relative - 0.7) / 0.6 {
-        r if r <= 0.0 => 1.0,
-        r if r >= 1.0 => 0.0,
-        r => 0.5 * (1.0 + (PI * r).cos()),
-    }
+/// Zero-phase low-pass of `x`, as [`smooth`].
+pub fn low_passed(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Vec<f64> {
+    let low_pass = falls(FALLS.map(|part| part * cutoff_hz));
+    reflected(x, interval_s, cutoff_hz).filtered(low_pass)
 }
 
 /// The frequency above which `x` is only noise of `noise_rms`, Hz; between 5 Hz and 0.3 of the sampling rate.

@@ -69,8 +69,8 @@ pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estim
             let scatter = BLOCKS_S
                 .iter()
                 .map(|seconds| {
-                    let mut meat = DMatrix::<f64>::zeros(unknowns, unknowns);
-                    let (mut blocks, mut squares, mut samples) = (0.0, 0.0, 0.0);
+                    let mut scores = Vec::new();
+                    let (mut squares, mut samples) = (0.0, 0.0);
                     for m in train {
                         let block = ((seconds / m.interval_s) as usize).max(4);
                         for start in (0..m.len()).step_by(block) {
@@ -81,15 +81,19 @@ pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estim
                                 samples += 1.0;
                                 score.axpy(rest, &scaled(&m.instrument, &with, k), 1.0);
                             }
-                            meat.ger(1.0, &score, &score, 1.0);
-                            blocks += 1.0;
+                            scores.push(score);
                         }
                     }
-                    // Whatever only the ridge determines is unknown.
-                    meat +=
-                        DMatrix::<f64>::identity(unknowns, unknowns) * (RIDGE * squares / samples);
+                    let blocks = scores.len() as f64;
                     let used = blocks / (blocks - unknowns as f64).max(0.5 * blocks);
-                    &inverse * meat * inverse.transpose() * used
+                    // Whatever only the ridge determines is unknown.
+                    let ridge = (RIDGE * squares / samples).sqrt();
+                    scores.extend((0..unknowns).map(|u| {
+                        DVector::from_fn(unknowns, |c, _| if c == u { ridge } else { 0.0 })
+                    }));
+                    // As a square: no rounding makes a variance negative.
+                    let turned = &inverse * DMatrix::from_columns(&scores);
+                    &turned * turned.transpose() * used
                 })
                 .max_by(|a, b| a.trace().total_cmp(&b.trace()));
             let scatter = scatter.unwrap_or_else(|| DMatrix::zeros(unknowns, unknowns));

@@ -1,8 +1,9 @@
 //! Motion and forces of all coordinates, after one zero-phase low-pass.
 
 use crate::model::coordinates::CoupledSpecimen;
+use crate::numbers::reflected::Motion;
 use crate::record::refusal::Refusal;
-use crate::record::spectrum::{Density, Motion, bandwidth_hz, smooth};
+use crate::record::spectrum::{Density, bandwidth_hz, smooth};
 
 /// A record of a specimen of several coordinates: a column for each, all of one length.
 #[derive(Clone, Debug, Default)]

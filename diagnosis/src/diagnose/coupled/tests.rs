@@ -162,9 +162,9 @@ fn stiffness_and_mass_at_one_frequency_cannot_be_told_apart() {
     let one: [&[f64]; 2] = [&[6.0], &[7.1]];
     let d = ask(&wrong, one, true);
     let c = &d.coordinates[0];
-    assert_eq!(c.verdict, CoupledVerdict::Ambiguous, "{c:?}");
+    assert_eq!(c.verdict, CoupledVerdict::Ambiguous, "{:?}", c.wrong);
     let [entry] = &c.wrong[..] else {
-        panic!("{c:?}")
+        panic!("{:?}", c.wrong)
     };
     let mut both = entry.alternatives.clone();
     both.push(format!("{} of x_m by {}", entry.matrix, entry.by));

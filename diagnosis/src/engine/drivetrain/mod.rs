@@ -80,7 +80,7 @@ fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     let mean = |x: &[f64]| crate::numbers::signals::averaged(x, every);
     let cutoff_hz = 4.0 * motion_band_hz(record.displacement_mm.as_ref()?, h).unwrap_or(10.0);
     let force = joined.force_n.as_ref().map(|f| {
-        let smooth = spectrum::smooth(&f[from..], h, cutoff_hz.min(0.3 / h)).x;
+        let smooth = spectrum::low_passed(&f[from..], h, cutoff_hz.min(0.3 / h));
         mean(&smooth)
     });
     let target = mean(&record.displacement_mm.as_ref()?[skipped..]);

@@ -2,14 +2,12 @@
 
 use super::curvature;
 use crate::criteria::BAND_POWER;
-use crate::record::spectrum::Motion;
-use fourier::Complex;
-use std::f64::consts::{PI, TAU};
+use crate::numbers::reflected::{Motion, Reflected, falls};
 
-/// Above the cut-off the gain falls to 0 over this fraction of it, by half a cosine.
+/// Above the cut-off the gain falls to 0 over this fraction of it.
 const FALL: f64 = 0.15;
-/// Largest fraction of a signal that is mirrored at each end.
-const MIRRORED: f64 = 0.25;
+/// Fraction of a signal that is mirrored at each end.
+const MIRRORED: f64 = 0.125;
 
 /// Width of a bend's fading, as a fraction of a cycle of the band's end: if it were shorter, the remainder would have
 /// corners that no cut-off passes.
@@ -19,15 +17,12 @@ const LONGEST: f64 = 0.15;
 /// Widths beyond which a bend is zero.
 const GONE: f64 = 6.0;
 
-/// The discrete Fourier transform of a displacement, mirrored at its ends with equal slope.
+/// A displacement, mirrored at its ends with equal slope and curvature.
 #[derive(Debug)]
 pub struct Band {
-    bins: Vec<Complex<f64>>,
-    pad: usize,
-    n: usize,
+    /// Without the bends.
+    mirrored: Reflected,
     interval_s: f64,
-    first: f64,
-    slope: f64,
     bends: [Bend; 2],
 }
 
@@ -80,88 +75,24 @@ impl Band {
         Self::without(x, interval_s, bends)
     }
 
-    /// The transform of the signal without the bends.
     fn without(x: &[f64], interval_s: f64, bends: [Bend; 2]) -> Self {
-        let n = x.len();
         let straight = |(i, x): (usize, &f64)| {
             let t = i as f64 * interval_s;
             x - bends.iter().map(|b| b.over(t)[0]).sum::<f64>()
         };
+        let least = (MIRRORED * x.len() as f64) as usize;
         let x: Vec<f64> = x.iter().enumerate().map(straight).collect();
-        let least = ((MIRRORED * n as f64) as usize).min(n - 1);
-        let pad = (smooth_length(n + least) - n) / 2;
-        let pad = pad.min(n - 1);
-        let mut series: Vec<f64> = (1..=pad).rev().map(|i| 2.0 * x[0] - x[i]).collect();
-        series.extend_from_slice(&x);
-        series.extend((1..=pad).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
-        let m = series.len();
-        // Remove a straight line from end to end, so that the period closes.
-        let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
-        let line = |(i, s): (usize, &f64)| Complex::new(s - first - slope * i as f64, 0.0);
-        let mut bins: Vec<Complex<f64>> = series.iter().enumerate().map(line).collect();
-        fourier::forward(m).process(&mut bins);
         Self {
-            bins,
-            pad,
-            n,
+            mirrored: Reflected::of(&x, interval_s, least),
             interval_s,
-            first,
-            slope,
             bends,
         }
     }
 
-    fn hz(&self, k: usize) -> f64 {
-        let m = self.bins.len();
-        let signed = if 2 * k <= m {
-            k as f64
-        } else {
-            k as f64 - m as f64
-        };
-        signed / (m as f64 * self.interval_s)
-    }
-
-    /// Displacement, velocity and acceleration below the cut-off, with `fine` samples per sample of the record: a
-    /// motion may also reverse between two samples.
+    /// Displacement, velocity and acceleration below the cut-off, with `fine` samples per sample of the record.
     pub fn motion(&self, cutoff_hz: f64, fine: usize) -> Motion {
-        let m = self.bins.len();
-        let nyquist = 0.5 / self.interval_s;
-        let mut both = vec![Complex::default(); m * fine];
-        let mut third = vec![Complex::default(); m * fine];
-        for (k, bin) in self.bins.iter().enumerate() {
-            let hz = self.hz(k);
-            let pass = gain(hz.abs() / cutoff_hz) / m as f64;
-            if pass == 0.0 {
-                continue;
-            }
-            // The bin at half the rate has no sign: its odd derivatives are zero.
-            let omega = if hz.abs() < nyquist * (1.0 - 1e-9) {
-                TAU * hz
-            } else {
-                0.0
-            };
-            let x = bin * pass;
-            let v = x * Complex::new(0.0, omega);
-            let at = if 2 * k <= m { k } else { k + m * (fine - 1) };
-            // Two real signals in one transform: displacement and i times velocity.
-            both[at] = x + Complex::new(0.0, 1.0) * v;
-            third[at] = v * Complex::new(0.0, omega);
-        }
-        let plan = fourier::inverse(m * fine);
-        plan.process(&mut both);
-        plan.process(&mut third);
-        let here = self.pad * fine..(self.pad + self.n - 1) * fine + 1;
-        let line = |i: usize| self.first + self.slope * (i as f64 / fine as f64 + self.pad as f64);
-        let speed = self.slope / self.interval_s;
-        let mut motion = Motion {
-            x: both[here.clone()]
-                .iter()
-                .enumerate()
-                .map(|(i, c)| c.re + line(i))
-                .collect(),
-            v: both[here.clone()].iter().map(|c| c.im + speed).collect(),
-            a: third[here].iter().map(|c| c.re).collect(),
-        };
+        let low_pass = falls([cutoff_hz, (1.0 + FALL) * cutoff_hz]);
+        let mut motion = self.mirrored.motion(low_pass, fine);
         for i in 0..motion.x.len() {
             let t = i as f64 * self.interval_s / fine as f64;
             for bend in &self.bends {
@@ -177,8 +108,8 @@ impl Band {
     /// Frequency below which nine tenths of the speed's power lie, Hz; the level of the upper half of the spectrum is
     /// taken as the sensor's noise.
     pub fn of_motion_hz(&self) -> f64 {
-        let half = self.bins.len() / 2;
-        let power: Vec<f64> = self.bins[..half].iter().map(Complex::norm_sqr).collect();
+        let power = self.mirrored.power();
+        let half = power.len();
         let mut upper = power[half / 2..].to_vec();
         upper.sort_by(f64::total_cmp);
         // The mean of an exponential distribution is 1.44 times its median.
@@ -186,46 +117,24 @@ impl Band {
         let speeds: Vec<f64> = power
             .iter()
             .enumerate()
-            .map(|(k, p)| (p - noise).max(0.0) * self.hz(k).powi(2))
+            .map(|(k, p)| (p - noise).max(0.0) * self.mirrored.hz(k).powi(2))
             .collect();
         let whole: f64 = speeds.iter().sum();
         let mut sum = 0.0;
         for (k, s) in speeds.iter().enumerate() {
             sum += s;
             if sum >= BAND_POWER * whole {
-                return self.hz(k.max(1));
+                return self.mirrored.hz(k.max(1));
             }
         }
-        self.hz(half)
+        self.mirrored.hz(half)
     }
-}
-
-/// 1 up to the cut-off, 0 from 1.15 of it on, with half a cosine between.
-fn gain(relative: f64) -> f64 {
-    match (relative - 1.0) / FALL {
-        r if r <= 0.0 => 1.0,
-        r if r >= 1.0 => 0.0,
-        r => 0.5 * (1.0 + (PI * r).cos()),
-    }
-}
-
-/// The next length with a fast transform: no prime factor above 5.
-fn smooth_length(least: usize) -> usize {
-    let quick = |n: &usize| {
-        let mut n = *n;
-        for p in [2_usize, 3, 5] {
-            while n.is_multiple_of(p) {
-                n /= p;
-            }
-        }
-        n == 1
-    };
-    (least..).find(quick).unwrap_or(least)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_motion_that_begins_and_ends_at_its_crest_has_its_acceleration_there() {
