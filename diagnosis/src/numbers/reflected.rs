@@ -134,12 +134,27 @@ impl Reflected {
     }
 }
 
-/// Gain of a low-pass: 1 up to the first frequency, 0 from the second on, with half a cosine between.
-pub fn falls(between: [f64; 2]) -> impl Fn(f64) -> f64 {
+/// Gain of a low-pass over frequency: 1 up to the first of two multiples of its cut-off, 0 from the second on, with half a
+/// cosine between. An infinite cut-off passes everything.
+pub fn low_pass(cutoff_hz: f64, between: [f64; 2]) -> impl Fn(f64) -> f64 {
     let [from, to] = between;
-    move |hz| match (hz - from) / (to - from) {
+    move |hz| match (hz / cutoff_hz - from) / (to - from) {
         r if r <= 0.0 => 1.0,
         r if r >= 1.0 => 0.0,
         r => 0.5 * (1.0 + (PI * r).cos()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_infinite_cut_off_passes_everything() {
+        let x = [1.0, 3.0, -2.0, 5.0, 4.0, 4.5, 0.0];
+        let same = Reflected::of(&x, 1e-3, 2).filtered(low_pass(f64::INFINITY, [0.7, 1.3]));
+        for (x, same) in x.iter().zip(&same) {
+            assert!((x - same).abs() < 1e-12, "{x} {same}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A measured displacement without its noise, with its derivatives: the input of the forces.
 
-use crate::numbers::reflected::{Motion, Reflected, falls};
+use crate::numbers::reflected::{Motion, Reflected, low_pass};
 use fourier::Complex;
 use std::f64::consts::TAU;
 
@@ -13,14 +13,12 @@ fn reflected(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Reflected {
 
 /// Zero-phase low-pass and derivatives of `x`. `cutoff_hz` is the frequency at which the amplitude has fallen to a half.
 pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
-    let low_pass = falls(FALLS.map(|part| part * cutoff_hz));
-    reflected(x, interval_s, cutoff_hz).motion(low_pass, 1)
+    reflected(x, interval_s, cutoff_hz).motion(low_pass(cutoff_hz, FALLS), 1)
 }
 
 /// Zero-phase low-pass of `x`, as [`smooth`].
 pub fn low_passed(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Vec<f64> {
-    let low_pass = falls(FALLS.map(|part| part * cutoff_hz));
-    reflected(x, interval_s, cutoff_hz).filtered(low_pass)
+    reflected(x, interval_s, cutoff_hz).filtered(low_pass(cutoff_hz, FALLS))
 }
 
 /// The frequency above which `x` is only noise of `noise_rms`, Hz; between 5 Hz and 0.3 of the sampling rate.

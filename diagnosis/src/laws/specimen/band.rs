@@ -2,7 +2,7 @@
 
 use super::curvature;
 use crate::criteria::BAND_POWER;
-use crate::numbers::reflected::{Motion, Reflected, falls};
+use crate::numbers::reflected::{Motion, Reflected, low_pass};
 
 /// Above the cut-off the gain falls to 0 over this fraction of it.
 const FALL: f64 = 0.15;
@@ -91,7 +91,7 @@ impl Band {
 
     /// Displacement, velocity and acceleration below the cut-off, with `fine` samples per sample of the record.
     pub fn motion(&self, cutoff_hz: f64, fine: usize) -> Motion {
-        let low_pass = falls([cutoff_hz, (1.0 + FALL) * cutoff_hz]);
+        let low_pass = low_pass(cutoff_hz, [1.0, 1.0 + FALL]);
         let mut motion = self.mirrored.motion(low_pass, fine);
         for i in 0..motion.x.len() {
             let t = i as f64 * self.interval_s / fine as f64;
