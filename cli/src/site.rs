@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 /// The kind of rig that a test ran on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum RigKind {
     /// The simulated rig, in this process.
     Simulated,

@@ -6,6 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// The purpose of a stream; part of its seed.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Purpose {
     /// The random part of an actuator's delay.
     RandomMultiplier = 1,

@@ -13,6 +13,7 @@ use outerloop_core::coupled::{
 
 /// One of the contestants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PairContestant {
     /// Sends the target itself.
     None,

@@ -10,6 +10,7 @@ pub struct Rules {
 
 /// A way in which published codes, including ours, deviate from the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Deviation {
     /// The force of the same sample goes into the numerical part; officially it is the force of the previous sample.
     NoUnitDelay,

@@ -27,6 +27,7 @@ const SUBSTEP: f64 = 0.05;
 
 /// How the specimen behaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Behaviour {
     /// The published linear specimen.
     #[default]

@@ -18,27 +18,32 @@ pub struct SessionSection<'a> {
     pub test: &'a TestFile,
     /// Its figures.
     pub summary: &'a SessionSummary,
-    /// Every step.
-    pub trace: &'a Trace,
+    /// Every step; `None` if there is no page.
+    pub trace: Option<&'a Trace>,
 }
 
-/// The page of a session.
+/// A session.
 pub fn of_served(s: &SessionSection<'_>) -> Document {
-    let mut d = Document::new("A rig as an element of a model outside", lead(s), true);
-    verdict(&mut d, s.summary);
-    if !s.trace.is_empty() {
+    let mut d = Document::new(
+        "A rig as an element of a model outside",
+        lead(s),
+        s.trace.is_some(),
+    );
+    d.tell(s.summary.sentences());
+    d.on_page(|d| verdict(d, s.summary));
+    if let Some(trace) = s.trace.filter(|t| !t.is_empty()) {
         tiles(&mut d, s.summary);
-        for floor in ShownFloor::all(s.trace) {
-            floor.draw(&mut d, |i| s.trace.time_s(i));
+        for floor in ShownFloor::all(trace) {
+            floor.draw(&mut d, |i| trace.time_s(i));
         }
-        energy(&mut d, s.trace);
+        energy(&mut d, trace);
         if s.test.serve.pace == Pace::Continuous {
-            damping(&mut d, s.trace);
+            damping(&mut d, trace);
         }
     }
     if let Some(board) = &s.summary.board {
         d.heading("The board");
-        d.say(board.sentence());
+        d.explain(board.sentence());
     }
     d.test_file(&s.test.text);
     d

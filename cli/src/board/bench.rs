@@ -191,7 +191,6 @@ impl<P: Port> BoardBench<P> {
             wanted: test.steps,
             steps: Steps::default(),
             phase: Phase::Running,
-            differs: false,
         };
         running.run(observer, began)
     }
@@ -221,8 +220,19 @@ enum Phase {
     Running,
     /// Somebody to resume it: the board's button has held it.
     Held,
-    /// Its end, which it was told of; `by_hand`: before its steps were done.
-    Ending { by_hand: bool },
+    /// Its end, of which it was told.
+    Ending(Told),
+}
+
+/// Why a test was told to end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Told {
+    /// Its steps are done.
+    Done,
+    /// A person wanted it.
+    ByHand,
+    /// The board's bits differ from the PC's.
+    Differs,
 }
 
 /// The steps of a running test. They are counted by their numbers, since some may be lost on the link. Steps of a hold do
@@ -263,8 +273,6 @@ struct Test<'a, 'b, P, const N: usize, R: Rig<N>> {
     wanted: usize,
     steps: Steps,
     phase: Phase,
-    /// It was ended because the board's bits differ from the PC's.
-    differs: bool,
 }
 
 impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
@@ -306,20 +314,19 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         }
         // The board's record is at most a few steps longer than the test.
         if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
-            self.end(Event::Finish)?;
+            self.end(Told::Done)?;
         }
         let mode = self.in_force.mode();
         if matches!(mode, Mode::Finished | Mode::Tripped) {
             return Ok(Some(mode));
         }
         if interrupted {
-            self.end(Event::Stop)?;
+            self.end(Told::ByHand)?;
         }
         // A bit of the test that the board stores has turned over: the limits still allow much motion that is not the
         // test.
         if self.in_force.mirror().differs() && !self.is_ending() && mode.integrates() {
-            self.differs = true;
-            self.end(Event::Stop)?;
+            self.end(Told::Differs)?;
         }
         self.hold_or_go_on(mode)?;
         Ok(None)
@@ -331,7 +338,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         // Before the next step, in which the request may have to take effect.
         self.in_force.be_judged(observer);
         match asked {
-            Some(Event::Stop) => self.end(Event::Stop),
+            Some(Event::Stop) => self.end(Told::ByHand),
             Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked),
             _ => Ok(()),
         }
@@ -350,23 +357,27 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
     }
 
     fn is_ending(&self) -> bool {
-        matches!(self.phase, Phase::Ending { .. })
+        matches!(self.phase, Phase::Ending(_))
     }
 
     /// Tells the board to end the test, once.
-    fn end(&mut self, how: Event) -> Result<(), Failure> {
+    fn end(&mut self, why: Told) -> Result<(), Failure> {
         if self.is_ending() {
             return Ok(());
         }
-        let by_hand = how == Event::Stop;
-        self.phase = Phase::Ending { by_hand };
+        self.phase = Phase::Ending(why);
+        let how = if why == Told::Done {
+            Event::Finish
+        } else {
+            Event::Stop
+        };
         self.in_force.end(self.board, how)
     }
 
     /// Reports once that the board's button holds the test, and resumes it when somebody agrees.
     fn hold_or_go_on(&mut self, mode: Mode) -> Result<(), Failure> {
         match (&self.phase, mode == Mode::Holding) {
-            (Phase::Ending { .. }, _) | (Phase::Running, false) | (Phase::Held, true) => {}
+            (Phase::Ending(_), _) | (Phase::Running, false) | (Phase::Held, true) => {}
             (Phase::Held, false) => self.phase = Phase::Running,
             (Phase::Running, true) => {
                 self.phase = Phase::Held;
@@ -381,7 +392,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             Ok(false) => {}
             Err(gone) => {
                 eprintln!("outerloop: {gone}");
-                self.end(Event::Stop)?;
+                self.end(Told::ByHand)?;
             }
         }
         Ok(())
@@ -408,7 +419,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
                 Err(failure) => lost = Some(failure.to_string()),
             }
         }
-        let told = board_status.as_ref().and_then(|status| status.trip);
+        let of_board = board_status.as_ref().and_then(|status| status.trip);
         let seen = || Trip {
             fault: self.in_force.fault().unwrap_or(Fault::LinkLost),
             axis: 0,
@@ -416,15 +427,18 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             limit: f32::NAN,
             tick: 0,
         };
-        let trip = (ended == Mode::Tripped).then(|| told.unwrap_or_else(seen));
-        let by_hand = matches!(self.phase, Phase::Ending { by_hand: true });
-        let lost = lost.or_else(|| self.differs.then(|| DIFFERS.to_owned()));
+        let trip = (ended == Mode::Tripped).then(|| of_board.unwrap_or_else(seen));
+        let told = match self.phase {
+            Phase::Ending(why) => Some(why),
+            Phase::Running | Phase::Held => None,
+        };
+        let lost = lost.or_else(|| (told == Some(Told::Differs)).then(|| DIFFERS.to_owned()));
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
         Ending {
             mode: ended,
             trip,
-            by_hand: by_hand && self.steps.done < self.wanted,
+            by_hand: told.is_some_and(|why| why != Told::Done) && self.steps.done < self.wanted,
             wall_s,
             board: Some(
                 self.in_force

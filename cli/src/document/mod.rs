@@ -1,5 +1,5 @@
-//! The result of a verb, written once: sentences, tables and plots. One [`Document`] is printed on the terminal and
-//! written as the page; what both can show appears in both.
+//! The result of a verb, written once: sentences, tables, plots and figures. One [`Document`] is printed on the terminal,
+//! written as the page, and gives the JSON; what terminal and page can both show appears in both.
 //!
 //! Texts may contain `**bold**` words; text between backticks is code on the page.
 
@@ -14,6 +14,8 @@ pub use table::{Table, table};
 
 use crate::provenance::Provenance;
 use askama::Template;
+use experiment::failure::Failure;
+use serde::Serialize;
 use text::{html, plain, written};
 
 /// Where a part is shown.
@@ -45,6 +47,8 @@ pub struct Document {
     lead: String,
     with_page: bool,
     parts: Vec<(Shown, Content)>,
+    /// Name of their file, and the figures as JSON.
+    figures: Option<(&'static str, String)>,
 }
 
 #[derive(Template)]
@@ -88,7 +92,21 @@ impl Document {
             lead: lead.into(),
             with_page,
             parts: Vec::new(),
+            figures: None,
         }
+    }
+
+    /// The same with the figures of the answer, which `file` will have as JSON. Their shape is the verb's schema.
+    ///
+    /// # Errors
+    /// Figures that cannot be written as JSON.
+    pub fn with_figures(
+        mut self,
+        file: &'static str,
+        figures: &impl Serialize,
+    ) -> Result<Self, Failure> {
+        self.figures = Some((file, json(figures)?));
+        Ok(self)
     }
 
     /// True if a page is requested.
@@ -127,6 +145,12 @@ impl Document {
     /// A sentence.
     pub fn say(&mut self, text: impl Into<String>) {
         self.push(Shown::Everywhere, Content::Paragraph(text.into()));
+    }
+
+    /// A sentence before all others, only on the terminal.
+    pub fn tell_first(&mut self, text: impl Into<String>) {
+        let sentence = Content::Paragraph(text.into());
+        self.parts.insert(0, (Shown::OnTerminal, sentence));
     }
 
     /// A sentence with more detail, only on the page.
@@ -214,6 +238,26 @@ impl Document {
         )
     }
 
+    /// Its files: the page and the figures.
+    pub fn files(&self) -> Vec<(&'static str, Vec<u8>)> {
+        let page = ("report.html", self.page().into_bytes());
+        let figures = self
+            .figures
+            .iter()
+            .map(|(name, text)| (*name, text.clone().into_bytes()));
+        std::iter::once(page).chain(figures).collect()
+    }
+
+    /// The figures as JSON; empty if there are none.
+    pub fn json(&self) -> &str {
+        self.figures.as_ref().map_or("", |(_, text)| text)
+    }
+
+    /// The same in one line.
+    pub fn json_line(&self) -> String {
+        self.json().lines().map(str::trim_start).collect()
+    }
+
     /// The text for a terminal: a blank line around each table, none between sentences.
     pub fn terminal(&self) -> String {
         let shown = self.parts.iter().filter(|(on, _)| *on != Shown::OnPage);
@@ -231,6 +275,15 @@ impl Document {
         }
         text
     }
+}
+
+/// The JSON of a result.
+///
+/// # Errors
+/// A value that JSON cannot express.
+pub fn json(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value)
+        .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))
 }
 
 #[cfg(test)]

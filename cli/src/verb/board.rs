@@ -3,10 +3,11 @@
 mod commission;
 mod desk;
 
-use super::hand_over_found;
+use super::{hand_over, no_files};
 use crate::answer::{of_identity, of_status};
 use crate::board::{self, Connection, Serial, Timeouts};
 use crate::document::Document;
+use crate::provenance::WithProvenance;
 use clap::{Args, Subcommand};
 use commission::Commission;
 use desk::Desk;
@@ -98,7 +99,9 @@ impl Plain {
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "answer.json"])?;
         let (found, document) = ask(&mut connect(&self.port)?)?;
         let wanted = (out.as_deref(), self.json);
-        hand_over_found(wanted, "answer.json", &found, |_| Ok(document))
+        hand_over(wanted, no_files, |_| {
+            document.with_figures("answer.json", &WithProvenance::of(&found))
+        })
     }
 }
 

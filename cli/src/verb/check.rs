@@ -1,9 +1,9 @@
 //! `outerloop check`: whether a test may be run.
 
-use super::{MethodName, MotionArguments, coupled, hand_over_found};
+use super::{MethodName, MotionArguments, coupled, hand_over, no_files};
 use crate::answer::{CheckSection, TestSection, of_check};
 use crate::document::Document;
-use crate::provenance::note_seed;
+use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::Progress;
 use experiment::Experiment;
 use experiment::failure::Failure;
@@ -137,8 +137,8 @@ fn check(
         judgement: &judgement,
         answer: &answer,
     };
-    hand_over_found(wanted, "check.json", &whole, |page| {
-        document(experiment, &whole, page)
+    hand_over(wanted, no_files, |page| {
+        document(experiment, &whole, page)?.with_figures("check.json", &WithProvenance::of(&whole))
     })?;
     Ok(judgement)
 }

@@ -1,9 +1,7 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
 use super::diff::Diff;
-use super::{
-    CommonArguments, MethodName, each_record, hand_over_tests, json, no_files, require_all_ran,
-};
+use super::{CommonArguments, MethodName, each_record, hand_over_tests, no_files, require_all_ran};
 use crate::answer::{TestSection, of_compare};
 use crate::provenance::WithProvenance;
 use crate::terminal::{Progress, interrupt};
@@ -76,12 +74,10 @@ impl Compare {
         };
         let rows: Vec<Summary> = runs.iter().map(|(_, run)| run.summary.clone()).collect();
         let all = serde_json::json!({ "rows": rows });
-        let text = json(&WithProvenance::seeded(&all, self.common.seed))?;
         let asked = experiments.len() * methods.len();
         hand_over_tests(
             (rows.len(), asked),
             (out, self.common.json),
-            ("compare.json", &text),
             no_files,
             |_| {
                 let kept = runs.iter().filter_map(|(e, run)| {
@@ -92,7 +88,10 @@ impl Compare {
                         ideal: &ideals[*e],
                     })
                 });
-                Ok(of_compare(&rows, &kept.collect::<Vec<_>>()))
+                of_compare(&rows, &kept.collect::<Vec<_>>()).with_figures(
+                    "compare.json",
+                    &WithProvenance::seeded(&all, self.common.seed),
+                )
             },
         )?;
         require_all_ran(rows.len(), asked)?;

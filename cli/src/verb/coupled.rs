@@ -1,6 +1,6 @@
 //! `check` for a test of two coupled actuators, and options that no verb accepts for one.
 
-use super::{hand_over, json, no_files};
+use super::{hand_over, no_files};
 use crate::answer::of_coupled_check;
 use crate::provenance::WithProvenance;
 use crate::terminal::Progress;
@@ -52,11 +52,11 @@ pub(super) fn check(
         check: &check,
         margins: &margins,
     };
-    let text = json(&WithProvenance::seeded(&whole, spread.seed))?;
-    hand_over(wanted, ("check.json", &text), no_files, |page| {
+    hand_over(wanted, no_files, |page| {
         let trace = run.trace.as_ref().filter(|_| page);
         let planned = trace.map(|trace| (trace, &ideal));
-        Ok(of_coupled_check(experiment, &check, &margins, planned))
+        of_coupled_check(experiment, &check, &margins, planned)
+            .with_figures("check.json", &WithProvenance::seeded(&whole, spread.seed))
     })?;
     Ok(check.judgement)
 }

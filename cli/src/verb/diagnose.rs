@@ -5,7 +5,7 @@ mod dial;
 mod setting;
 mod witness;
 
-use super::{hand_over, json};
+use super::hand_over;
 use crate::answer::{DiagnosisSection, Witness, of_diagnosis};
 use crate::designed_test;
 use crate::provenance::WithProvenance;
@@ -150,7 +150,6 @@ impl Diagnose {
             no_test: no_test.as_ref().map(|(_, why)| why.as_str()),
             beside,
         };
-        let text = json(&WithProvenance::of(&answer))?;
         let (stated, improved) = (
             model::to_toml(declared)?,
             model::to_toml(&diagnosis.improved)?,
@@ -160,7 +159,6 @@ impl Diagnose {
         }
         hand_over(
             (out, self.json),
-            ("diagnosis.json", &text),
             || Ok(vec![("model.toml", improved.as_str())]),
             |page| {
                 let section = DiagnosisSection {
@@ -184,7 +182,7 @@ impl Diagnose {
                 if let Some(path) = &self.save_model {
                     d.tell(format!("{} is in {}", saved(diagnosis), path.display()));
                 }
-                Ok(d)
+                d.with_figures("diagnosis.json", &WithProvenance::of(&answer))
             },
         )
     }

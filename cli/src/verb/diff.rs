@@ -1,9 +1,10 @@
 //! `outerloop diff`: two completed tests, side by side.
 
-use super::hand_over_found;
+use super::{hand_over, no_files};
 use crate::answer::of_difference;
 use crate::archive;
 use crate::difference::Difference;
+use crate::provenance::WithProvenance;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::numbers::percent;
@@ -72,9 +73,10 @@ impl Diff {
             )));
         }
         let wanted = (out.as_deref(), self.json);
-        hand_over_found(wanted, "difference.json", &difference, |page| {
+        hand_over(wanted, no_files, |page| {
             let names = [&self.first, &self.second].map(|p| p.display().to_string());
-            Ok(of_difference(&difference, [&first, &second], &names, page))
+            of_difference(&difference, [&first, &second], &names, page)
+                .with_figures("difference.json", &WithProvenance::of(&difference))
         })?;
         let apart = difference.of_displacement();
         match (self.within, apart) {

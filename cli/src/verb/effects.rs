@@ -1,6 +1,6 @@
 //! `outerloop effects`: every effect with its name in files and results.
 
-use super::{hand_over, json, no_files};
+use super::{hand_over, no_files};
 use crate::document::{Document, table};
 use experiment::failure::Failure;
 use plant::catalogue;
@@ -59,9 +59,8 @@ impl Effects {
     /// A list that cannot be written as JSON.
     pub fn run(&self) -> Result<(), Failure> {
         let all: Vec<_> = catalogue().iter().map(ListedEffect::of).collect();
-        let named = ("effects.json", &json(&all)?[..]);
-        hand_over((None, self.json), named, no_files, |page| {
-            Ok(document(&all, page))
+        hand_over((None, self.json), no_files, |page| {
+            document(&all, page).with_figures("effects.json", &all)
         })
     }
 }

@@ -1,7 +1,8 @@
 //! `outerloop identify`: gain, delay, lag and offset of the actuator from a record of its motion.
 
-use super::{json, look_at_page};
+use super::hand_over;
 use crate::answer::of_identify;
+use crate::document::json;
 use crate::provenance::WithProvenance;
 use crate::terminal;
 use diagnosis::Identified;
@@ -27,7 +28,7 @@ pub struct Identify {
     /// Write the result into this test file: plant.actuator, compensation.delay_ms, estimation.delay_ms and lag_ms
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
-    /// Write report.html and response.json there: gain, phase, coherence, distortion and noise over frequency
+    /// Write report.html, response.json and answer.json there: gain, phase, coherence, distortion and noise over frequency
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -44,7 +45,10 @@ impl Identify {
     /// A record or a test file that cannot be used.
     pub fn run(&self) -> Result<(), Failure> {
         look_ahead::file(self.write.as_deref())?;
-        let out = look_ahead::folder(self.out.as_deref(), &["report.html", "response.json"])?;
+        let out = look_ahead::folder(
+            self.out.as_deref(),
+            &["report.html", "response.json", "answer.json"],
+        )?;
         let read = || RecordFiles::with(&self.columns).longest(&self.record);
         let recording = terminal::while_waiting("reading the record", read)?;
         // An objection to the whole fit is reported once, at the end.
@@ -71,26 +75,23 @@ impl Identify {
             Some(_) => Some(frequency_response(&recording)?),
             None => None,
         };
-        let mut document =
-            of_identify(&recording.name, &found, doubt.as_deref(), response.as_ref());
-        if let (Some(folder), Some(response)) = (&out, &response) {
-            let figures = json(&WithProvenance::of(response))?;
-            let files = [("report.html", document.page()), ("response.json", figures)];
-            output::write_all(folder, &files)?;
-        }
-        if self.json {
-            let all = IdentifiedOverFrequency { found, response };
-            answer!("{}", json(&WithProvenance::of(&all))?);
-        } else {
+        let all = IdentifiedOverFrequency { found, response };
+        let files = || {
+            let response = all.response.iter();
+            let files = response.map(|r| Ok(("response.json", json(&WithProvenance::of(r))?)));
+            files.collect()
+        };
+        hand_over((out.as_deref(), self.json), files, |_| {
+            let response = all.response.as_ref();
+            let mut document = of_identify(&recording.name, &all.found, doubt.as_deref(), response);
             if let Some(path) = &self.write {
                 document.tell(format!(
                     "{}: plant.actuator, compensation.delay_ms and estimation are set; comments are left as they were.",
                     path.display()
                 ));
             }
-            println!("{}", document.terminal());
-            look_at_page(out.as_deref());
-        }
+            document.with_figures("answer.json", &WithProvenance::of(&all))
+        })?;
         doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)))
     }
 }

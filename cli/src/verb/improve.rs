@@ -1,7 +1,7 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the test improved by what was found.
 
 use super::rig_arguments::RigArguments;
-use super::{CommonArguments, hand_over_tests, json, require_all_ran};
+use super::{CommonArguments, hand_over_tests, require_all_ran};
 use crate::answer::of_improvements;
 use crate::designed_test;
 use crate::improve::{DESIGNED, FirstTest, Improvement, ImprovementOutcome};
@@ -101,13 +101,16 @@ impl Improve {
             place: self.place.kind(),
             rows: named.iter().map(|(name, s)| row(name, s)).collect(),
         };
-        let summary = json(&WithProvenance::seeded(&rows, self.common.seed))?;
         hand_over_tests(
             (stories.len(), files.len()),
             (out, self.common.json),
-            ("summary.json", &summary),
             || files_of(&named),
-            |page| Ok(of_improvements(&named, page)),
+            |page| {
+                of_improvements(&named, page).with_figures(
+                    "summary.json",
+                    &WithProvenance::seeded(&rows, self.common.seed),
+                )
+            },
         )?;
         let worse: Vec<&str> = named
             .iter()

@@ -1,7 +1,7 @@
 //! `outerloop keys`: every key of a test file.
 
-use super::{hand_over, json, no_files};
-use crate::document::{Document, table};
+use super::{hand_over, no_files};
+use crate::document::{self, Document, table};
 use crate::keys;
 use crate::terminal::output;
 use experiment::failure::Failure;
@@ -51,9 +51,8 @@ impl Keys {
             answer!("{}", keys::markdown(&groups)?.trim_end());
             return Ok(());
         }
-        let named = ("keys.json", &json(&groups)?[..]);
-        hand_over((None, self.json), named, no_files, |page| {
-            Ok(document(&groups, page))
+        hand_over((None, self.json), no_files, |page| {
+            document(&groups, page).with_figures("keys.json", &groups)
         })
     }
 }
@@ -104,7 +103,7 @@ impl Schema {
                 "the schema `{what}` is unknown: accepted are {all}"
             ))
         })?;
-        answer!("{}", json(&schema())?);
+        answer!("{}", document::json(&schema())?);
         Ok(())
     }
 }

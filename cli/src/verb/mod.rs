@@ -22,7 +22,7 @@ pub mod shell;
 pub mod sweep;
 
 use crate::document::Document;
-use crate::provenance::{WithProvenance, note_seed};
+use crate::provenance::note_seed;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use experiment::Experiment;
 use experiment::failure::Failure;
@@ -31,7 +31,6 @@ use experiment::files::near_fault::near_fault;
 use experiment::files::output;
 use experiment::files::test::{Excitation, TestFile};
 use outerloop_core::Method;
-use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -148,26 +147,18 @@ impl TypedValueParser for MethodName {
     }
 }
 
-/// Hands over the result of a verb. With `--out` the page, its `files` and the JSON `named` are written to a folder. Then
-/// with `--json` the JSON text is printed alone, else the answer and the location of the page. `document` is told whether
-/// there is a page.
+/// Hands over the result of a verb. With `--out` the document's page and figures and further `files` are written to a
+/// folder. Then with `--json` the figures are printed alone, else the answer and the location of the page. `document` is
+/// told whether there is a page.
 fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
     (out, json): (Option<&Path>, bool),
-    named: (&'static str, &str),
     files: impl FnOnce() -> Result<Vec<(N, T)>, Failure>,
     document: impl FnOnce(bool) -> Result<Document, Failure>,
 ) -> Result<(), Failure> {
-    if json && out.is_none() {
-        answer!("{}", named.1);
-        return Ok(());
-    }
     let document = document(out.is_some())?;
     if let Some(folder) = out {
-        let own = [
-            ("report.html", document.page().into_bytes()),
-            (named.0, named.1.into()),
-        ];
-        let own = own.map(|(name, file): (&str, Vec<u8>)| (name.to_owned(), file));
+        let own = document.files().into_iter();
+        let own = own.map(|(name, file)| (name.to_owned(), file));
         let files = files()?
             .into_iter()
             .map(|(name, file)| (name.into(), file.into()));
@@ -177,7 +168,7 @@ fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
         )?;
     }
     if json {
-        answer!("{}", named.1);
+        answer!("{}", document.json());
     } else {
         println!("{}", document.terminal());
         look_at_page(out);
@@ -189,11 +180,10 @@ fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
 fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
     (done, asked): (usize, usize),
     wanted: (Option<&Path>, bool),
-    named: (&'static str, &str),
     files: impl FnOnce() -> Result<Vec<(N, T)>, Failure>,
     document: impl FnOnce(bool) -> Result<Document, Failure>,
 ) -> Result<(), Failure> {
-    hand_over(wanted, named, files, |page| {
+    hand_over(wanted, files, |page| {
         let mut document = document(page)?;
         if done != asked {
             document.warn_first(format!(
@@ -202,17 +192,6 @@ fn hand_over_tests<N: Into<String>, T: Into<Vec<u8>>>(
         }
         Ok(document)
     })
-}
-
-/// The same without further files; the JSON has the provenance of `found`.
-fn hand_over_found(
-    wanted: (Option<&Path>, bool),
-    name: &'static str,
-    found: &impl Serialize,
-    document: impl FnOnce(bool) -> Result<Document, Failure>,
-) -> Result<(), Failure> {
-    let text = json(&WithProvenance::of(found))?;
-    hand_over(wanted, (name, &text), no_files, document)
 }
 
 /// For a verb without files besides the page and its JSON.
@@ -235,10 +214,4 @@ fn require_all_ran(done: usize, asked: usize) -> Result<(), Failure> {
     Err(Failure::test(format!(
         "interrupted: {done} of {asked} tests ran, and only they are reported"
     )))
-}
-
-/// The JSON of a result.
-fn json(value: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string_pretty(value)
-        .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))
 }

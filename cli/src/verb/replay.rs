@@ -1,11 +1,11 @@
 //! `outerloop replay`: recomputes an archived test and compares every channel, bit by bit.
 
 use super::rig_arguments::RigArguments;
-use super::{hand_over_found, json};
+use super::{hand_over, no_files};
 use crate::archive;
-use crate::document::{Document, Grade};
+use crate::document::{Document, Grade, json};
 use crate::order_recorder::OrderReplay;
-use crate::provenance;
+use crate::provenance::{self, WithProvenance};
 use crate::site::{RigKind, TestSite};
 use crate::terminal::Progress;
 use experiment::failure::Failure;
@@ -83,7 +83,7 @@ impl Replay {
         };
         let outcome = found.outcome(archived.summary["watch"].is_object());
         let wanted = (out.as_deref(), self.json);
-        hand_over_found(wanted, "replay.json", &found, |page| {
+        hand_over(wanted, no_files, |page| {
             let lead = format!("`{file}` was worked out again, and every channel compared.");
             let mut d = Document::new("An archived test, worked out again", lead, page);
             match &outcome {
@@ -93,7 +93,7 @@ impl Replay {
             }
             let (then, now) = (&found.archived_by, &found.replayed_by);
             d.say(format!("Archived by {then}, replayed by {now}."));
-            Ok(d)
+            d.with_figures("replay.json", &WithProvenance::of(&found))
         })?;
         let differs = |other| Failure::test(format!("{file}: {other}"));
         outcome.map(drop).map_err(differs)

@@ -1,7 +1,7 @@
 //! `outerloop run`: one closed-loop test.
 
 use super::rig_arguments::RigArguments;
-use super::{CommonArguments, MethodName, hand_over, json};
+use super::{CommonArguments, MethodName, hand_over};
 use crate::answer::{of_played, of_run};
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
@@ -103,14 +103,18 @@ impl Run {
         let page = ran.run.trace.as_ref().filter(|_| out.is_some());
         let page = page.map(|trace| (trace, &ran.ideal));
         let mut document = of_run(&experiment, summary, &remarks, page);
-        let text = json(&WithProvenance::seeded(summary, self.common.seed))?;
         if let Some(board) = &summary.board {
             document.tell(board.sentence());
         }
         let archived = self.archived(&experiment, &ran)?;
         let files = || Ok(ran.files(archived, experiment.test.config.timing.rate_hz));
         let wanted = (out, self.common.json);
-        hand_over(wanted, ("summary.json", &text), files, |_| Ok(document))?;
+        hand_over(wanted, files, |_| {
+            document.with_figures(
+                "summary.json",
+                &WithProvenance::seeded(summary, self.common.seed),
+            )
+        })?;
         summary.outcome()
     }
 
@@ -188,11 +192,13 @@ impl Run {
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),
         };
-        let text = json(&WithProvenance::seeded(&played_signal, seed))?;
         let files = || Ok(vec![("record.csv", played.text.clone())]);
         let wanted = (out, self.common.json);
-        hand_over(wanted, ("summary.json", &text), files, |page| {
-            Ok(of_played(&path.display().to_string(), &played, page))
+        hand_over(wanted, files, |page| {
+            of_played(&path.display().to_string(), &played, page).with_figures(
+                "summary.json",
+                &WithProvenance::seeded(&played_signal, seed),
+            )
         })?;
         played.early.map_or(Ok(()), |why| {
             Err(Failure::test(format!(

@@ -1,8 +1,8 @@
 //! `outerloop serve`: the rig as an element of somebody else's model.
 
-use super::json;
 use super::rig_arguments::RigArguments;
 use crate::answer::{SessionSection, of_served};
+use crate::document::Document;
 use crate::provenance::WithProvenance;
 use crate::scope::Scoped;
 use crate::serve::{
@@ -108,16 +108,17 @@ impl Serve {
             };
             let served = serve_client(arrival, &element, rig.as_mut());
             let trace = rig.take_trace();
+            let document = self.document(&test, &served.summary, trace.as_ref())?;
             // A client that never sent a message has no results.
             if let (Some(first), Some(trace), true) = (out, &trace, served.spoke) {
                 let folder = match &kept_in {
                     None => first.to_owned(),
                     Some(last) => self.folder_behind(last),
                 };
-                self.keep(&folder, &test, &served.summary, trace)?;
+                self.keep(&folder, &document, trace)?;
                 kept_in = Some(folder);
             }
-            self.tell(&served.summary)?;
+            self.tell(&document);
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
             served.answer_nan_until_gone();
             let last =
@@ -142,36 +143,34 @@ impl Serve {
         folder
     }
 
-    /// Writes a client's results.
-    fn keep(
+    fn document(
         &self,
-        folder: &Path,
         test: &TestFile,
         summary: &SessionSummary,
-        trace: &Trace,
-    ) -> Result<(), Failure> {
-        let report = of_served(&SessionSection {
+        trace: Option<&Trace>,
+    ) -> Result<Document, Failure> {
+        let document = of_served(&SessionSection {
             test,
             summary,
             trace,
         });
-        let report = report.page();
-        let text = json(&WithProvenance::seeded(summary, self.seed))?;
-        let files = [report, record_csv::to_csv(trace), text];
-        let files: Vec<_> = FILES.into_iter().zip(files).collect();
+        document.with_figures(FILES[2], &WithProvenance::seeded(summary, self.seed))
+    }
+
+    /// Writes a client's results.
+    fn keep(&self, folder: &Path, document: &Document, trace: &Trace) -> Result<(), Failure> {
+        let mut files = document.files();
+        files.push((FILES[1], record_csv::to_csv(trace).into_bytes()));
         output::write_all(folder, &files)
     }
 
-    /// Prints the result of a client.
-    fn tell(&self, summary: &SessionSummary) -> Result<(), Failure> {
+    /// Prints the result of a client; its figures are one line.
+    fn tell(&self, document: &Document) {
         if self.json {
-            let line = serde_json::to_string(&WithProvenance::seeded(summary, self.seed))
-                .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;
-            answer!("{line}");
+            answer!("{}", document.json_line());
         } else {
-            println!("{}", summary.sentences());
+            println!("{}", document.terminal());
         }
-        Ok(())
     }
 }
 

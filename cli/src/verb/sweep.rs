@@ -1,7 +1,7 @@
 //! `outerloop sweep`: the same test over the values of one key, or on rigs drawn around the declared one; the latter is
 //! also `outerloop monte-carlo`.
 
-use super::{CommonArguments, MethodName, each_record, hand_over_tests, json, require_all_ran};
+use super::{CommonArguments, MethodName, each_record, hand_over_tests, require_all_ran};
 use crate::answer::{self, TestSection};
 use crate::many::{self, OneOfMany, Outcome, Range};
 use crate::provenance::WithProvenance;
@@ -144,12 +144,13 @@ impl Sweep {
         hand_over_tests(
             (rows.len(), asked),
             (out.as_deref(), self.common.json),
-            (
-                "sweep.json",
-                &json(&WithProvenance::seeded(&swept, self.common.seed))?,
-            ),
             || Ok(vec![("sweep.csv", values_csv(&rows))]),
-            |page| Ok(answer::of_values(path, &rows, &names, first, page)),
+            |page| {
+                answer::of_values(path, &rows, &names, first, page).with_figures(
+                    "sweep.json",
+                    &WithProvenance::seeded(&swept, self.common.seed),
+                )
+            },
         )?;
         require_all_ran(rows.len(), asked)
     }
@@ -249,12 +250,13 @@ impl Sweep {
         hand_over_tests(
             (rows.len(), tests),
             (out.as_deref(), self.common.json),
-            (
-                "monte-carlo.json",
-                &json(&WithProvenance::seeded(&outcome, self.common.seed))?,
-            ),
             || Ok(vec![("tests.csv", rigs_csv(&drawn))]),
-            page,
+            |with_page| {
+                page(with_page)?.with_figures(
+                    "monte-carlo.json",
+                    &WithProvenance::seeded(&outcome, self.common.seed),
+                )
+            },
         )?;
         require_all_ran(rows.len(), tests)
     }

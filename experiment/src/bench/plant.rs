@@ -22,6 +22,7 @@ pub const GAIN_STEPS: usize = 100;
 
 /// A failure in a rig while a test runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Breakage {
     /// Displacement per command changes by this factor, over `GAIN_STEPS` control steps.
     ActuatorGain(f64),
@@ -45,6 +46,49 @@ pub fn sample<const N: usize>(
     }
     sample.fault = at_rail.then_some(Fault::AdcRail);
     sample
+}
+
+/// Arms a loop that has read its rig at rest, and starts it.
+#[derive(Debug, Default)]
+pub struct FromRest {
+    idle_steps: usize,
+}
+
+impl FromRest {
+    /// What a loop in this mode needs; false if it is on its way or further.
+    ///
+    /// # Errors
+    /// A loop that refuses to be armed.
+    pub fn care<const N: usize, R: outerloop_core::Rig<N>>(
+        &mut self,
+        outer: &mut OuterLoop<N, R>,
+        mode: Mode,
+    ) -> Result<bool, Failure> {
+        match mode {
+            Mode::Idle if self.idle_steps >= IDLE_STEPS => {
+                outer.handle(Event::Arm).map_err(Failure::test)?;
+            }
+            Mode::Idle => self.idle_steps += 1,
+            Mode::Armed => drop(outer.handle(Event::Start)),
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// For how many steps a target has not moved.
+#[derive(Debug)]
+struct Standing<const N: usize> {
+    target_m: [f32; N],
+    steps: usize,
+}
+
+impl<const N: usize> Standing<N> {
+    fn count(&mut self, target_m: [f32; N]) {
+        let same = target_m == self.target_m;
+        self.steps = if same { self.steps + 1 } else { 0 };
+        self.target_m = target_m;
+    }
 }
 
 /// A simulated rig.
@@ -145,50 +189,39 @@ impl PlantBench<'_> {
         mut rig: impl FnMut(&mut [f64; N], usize, Mode) -> (Sample<N>, Option<CoupledReading>),
     ) -> Result<(Ending, OuterLoop<N, R>), Failure> {
         let began = Instant::now();
-        let mut by_hand = false;
         let mut outer = OuterLoop::new(test.design.clone());
         if let Some(told) = observer.watches_the_loop() {
             outer.watch(told.iter().any(Instructions::corrects));
         }
         let mut in_place = InPlace::beside(&outer);
         let mut command_m = [0.0; N];
-        let (mut idle, mut done, mut stands) = (0, 0, 0);
-        let mut last_target_m = [0.0; N];
-        while done < test.steps {
+        let mut from_rest = FromRest::default();
+        let mut standing = Standing {
+            target_m: [0.0; N],
+            steps: 0,
+        };
+        let mut done = 0;
+        let by_hand = loop {
+            if done >= test.steps {
+                break false;
+            }
             let (sample, reading) = rig(&mut command_m, done, outer.mode());
             let before = outer.mode();
             let step = outer.step(&sample, &test.ground);
             command_m = step.command_m.map(f64::from);
-            let target_m = step.record.command_m;
-            stands = if target_m == last_target_m {
-                stands + 1
-            } else {
-                0
-            };
-            last_target_m = target_m;
-            match before {
-                Mode::Running | Mode::Resuming => {
-                    observer.on_step(&AnyRecord {
-                        coupled: reading.as_ref(),
-                        ..step.record.into()
-                    });
-                    done += 1;
-                    if self.is_beyond(step.record) {
-                        break;
-                    }
+            let record = *step.record;
+            standing.count(record.command_m);
+            if before.integrates() {
+                observer.on_step(&AnyRecord {
+                    coupled: reading.as_ref(),
+                    ..(&record).into()
+                });
+                done += 1;
+                if self.is_beyond(&record) {
+                    break false;
                 }
-                Mode::Idle if idle >= IDLE_STEPS => {
-                    outer.handle(Event::Arm).map_err(Failure::test)?;
-                }
-                Mode::Idle => idle += 1,
-                Mode::Armed => drop(outer.handle(Event::Start)),
-                Mode::Approaching
-                | Mode::Returning
-                | Mode::Commissioning
-                | Mode::Holding
-                | Mode::Finished
-                | Mode::Stopping
-                | Mode::Tripped => observer.on_idle_step(&step.record.into()),
+            } else if !from_rest.care(&mut outer, before)? {
+                observer.on_idle_step(&(&record).into());
             }
             // As on a board, after each step: a running test is watched, even if it has only just resumed.
             in_place.judge(&mut outer, |blocks, orders| observer.judge(blocks, orders));
@@ -197,15 +230,14 @@ impl PlantBench<'_> {
                 && outer.handle(event).is_ok()
                 && event == Event::Stop
             {
-                by_hand = true;
-                break;
+                break true;
             }
             // The ramp after the ground motion belongs to the test: interlocks act on it, too.
-            let ended = outer.mode() == Mode::Finished && stands >= STANDS_STEPS;
+            let ended = outer.mode() == Mode::Finished && standing.steps >= STANDS_STEPS;
             if ended || outer.mode() == Mode::Tripped {
-                break;
+                break false;
             }
-        }
+        };
         let ending = Ending {
             mode: outer.mode(),
             trip: outer.trip(),

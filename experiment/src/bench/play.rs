@@ -1,6 +1,6 @@
 //! A signal on the simulated rig, in this process: core's loop follows targets instead of a structure.
 
-use super::plant::{IDLE_STEPS, sample};
+use super::plant::{FromRest, sample};
 use super::played::Played;
 use crate::failure::Failure;
 use crate::files::signal::SignalPoints;
@@ -40,7 +40,7 @@ pub fn play(
         let mut outer = OuterLoop::new(design);
         let mut goals = signal.every(1.0 / rate_hz).into_iter();
         let mut played = Played::new();
-        let (mut command_m, mut idle) = (0.0_f64, 0);
+        let (mut command_m, mut from_rest) = (0.0_f64, FromRest::default());
         loop {
             let reading = rig.step(&[command_m]);
             let read = (&reading.displacement_m[..], &reading.force_n[..]);
@@ -71,12 +71,11 @@ pub fn play(
                     let fault = outer.trip().map_or("a fault", |t| t.fault.name());
                     return Ok(played.ended_early(format!("the loop tripped on {fault}")));
                 }
-                Mode::Idle if idle >= IDLE_STEPS => {
-                    outer.handle(Event::Arm).map_err(Failure::test)?;
+                mode => {
+                    if !from_rest.care(&mut outer, mode)? {
+                        observer.on_idle_step(&(&record).into());
+                    }
                 }
-                Mode::Idle => idle += 1,
-                Mode::Armed => drop(outer.handle(Event::Start)),
-                _ => observer.on_idle_step(&(&record).into()),
             }
             if let Some(event) = observer.requested_event()
                 && outer.handle(event).is_ok()

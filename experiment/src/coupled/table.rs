@@ -44,6 +44,7 @@ fn five() -> f64 {
 /// How commands are made of targets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum CoupledCompensation {
     /// The strokes of the target.
     None,

@@ -67,7 +67,11 @@ fn what_the_tiers_take_out_of_a_file_is_there() {
         "emu/tests/rig16",
         "emu/tests/rig3",
     ];
-    let files = ["emu/tests/improve.rs", "emu/tests/watch.rs"];
+    let files = [
+        "emu/tests/improve.rs",
+        "emu/tests/watch.rs",
+        "exam/tests/field.rs",
+    ];
     let of_list = |head| {
         let (_, list) = text.split_once(&format!("\n{head}")).unwrap();
         list.split_once(')').unwrap().0.split_whitespace()

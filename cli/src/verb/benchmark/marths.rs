@@ -8,7 +8,7 @@ use crate::answer::benchmark::of_marths;
 use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{self, Progress, interrupt};
-use crate::verb::{hand_over_tests, json, require_all_ran};
+use crate::verb::{hand_over_tests, require_all_ran};
 use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
@@ -130,14 +130,6 @@ impl Marths {
             declared_part: declared.collect(),
             seconds: begin.elapsed().as_secs_f64(),
         };
-        let text = json(&WithProvenance::of(&answer))?;
-        if let Some(file) = self.model.as_ref().filter(|_| !self.json) {
-            println!(
-                "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has none there, \
-                 and less than none cannot be integrated.\n",
-                file.display()
-            );
-        }
         let files = || {
             let declared = physical_part::to_toml(&problem.part)?;
             let of_records = parts.iter();
@@ -147,8 +139,16 @@ impl Marths {
         };
         let (drawn, asked) = ((self.plants, self.seed), (out.as_deref(), self.json));
         let ran = (rows.len(), records.len() * contestants.len());
-        hand_over_tests(ran, asked, ("marths.json", &text), files, |page| {
-            of_marths(&problem, &parts, &rows, drawn, page)
+        hand_over_tests(ran, asked, files, |page| {
+            let mut document = of_marths(&problem, &parts, &rows, drawn, page)?;
+            if let Some(file) = &self.model {
+                document.tell_first(format!(
+                    "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has none \
+                     there, and less than none cannot be integrated.\n",
+                    file.display()
+                ));
+            }
+            document.with_figures("marths.json", &WithProvenance::of(&answer))
         })?;
         require_all_ran(ran.0, ran.1)
     }

@@ -7,7 +7,7 @@ use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tel
 use crate::answer::benchmark::of_rths;
 use crate::provenance::{WithProvenance, note_seed};
 use crate::terminal::{Progress, interrupt};
-use crate::verb::{hand_over_tests, json, no_files, require_all_ran};
+use crate::verb::{hand_over_tests, no_files, require_all_ran};
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::verdict::best;
@@ -149,15 +149,16 @@ impl Rths {
             seconds: began.elapsed().as_secs_f64(),
             criteria: MEANING,
         };
-        let text = json(&WithProvenance::of(&answer))?;
         let asked = records.len() * CASES.len() * contestants.len() * (1 + beside.len());
         let ran = rows.len() + yielding.iter().map(Vec::len).sum::<usize>();
         hand_over_tests(
             (ran, asked),
             (out.as_deref(), self.json),
-            ("rths.json", &text),
             no_files,
-            |page| of_rths(&bench, &rows, &yielding, page),
+            |page| {
+                of_rths(&bench, &rows, &yielding, page)?
+                    .with_figures("rths.json", &WithProvenance::of(&answer))
+            },
         )?;
         require_all_ran(ran, asked)
     }

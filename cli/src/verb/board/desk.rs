@@ -6,10 +6,11 @@ use crate::board::desk::{self, DeskRow, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Image, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
+use crate::provenance::WithProvenance;
 use crate::site::{RigKind, TestSite};
 use crate::terminal::interrupt;
 use crate::verb::rig_arguments::RigArguments;
-use crate::verb::{MethodName, hand_over_found};
+use crate::verb::{MethodName, hand_over, no_files};
 use clap::Args;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
@@ -101,8 +102,9 @@ impl Desk {
             notes: &self.note,
             rows: &rows,
         };
-        hand_over_found((Some(&out), false), FILES[1], &found, |_| {
-            Ok(of_desk(&identity, self.is_emulated(), &self.note, &rows))
+        hand_over((Some(&out), false), no_files, |_| {
+            of_desk(&identity, self.is_emulated(), &self.note, &rows)
+                .with_figures(FILES[1], &WithProvenance::of(&found))
         })?;
         let bad = rows.iter().filter(|row| row.verdict == RowVerdict::Bad);
         match bad.clone().next() {

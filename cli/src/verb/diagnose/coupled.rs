@@ -1,6 +1,6 @@
 //! `outerloop diagnose` for a specimen with several coordinates.
 
-use super::{Diagnose, hand_over, json};
+use super::{Diagnose, hand_over};
 use crate::answer::of_coupled;
 use crate::provenance::WithProvenance;
 use crate::terminal;
@@ -50,10 +50,9 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
-        let (stated, json_text) = (text(declared)?, json(&WithProvenance::of(&d))?);
+        let stated = text(declared)?;
         hand_over(
             (out, self.json),
-            ("diagnosis.json", &json_text),
             || Ok(vec![("model.toml", improved.as_str())]),
             |page| {
                 let models = [stated.as_str(), improved.as_str()];
@@ -61,7 +60,7 @@ impl Diagnose {
                 if let Some(path) = &self.save_model {
                     document.tell(format!("{} is in {}", saved(&d), path.display()));
                 }
-                Ok(document)
+                document.with_figures("diagnosis.json", &WithProvenance::of(&d))
             },
         )
     }

@@ -5,7 +5,8 @@ use super::super::followed::{Followed, FollowedMarthsRow};
 use super::super::shared::refused;
 use super::Marths;
 use crate::answer::benchmark::of_followed;
-use crate::verb::hand_over_found;
+use crate::provenance::WithProvenance;
+use crate::verb::{hand_over, no_files};
 use benchmarks::marths::RATE_HZ;
 use benchmarks::marths::bench::MarthsRecord;
 use benchmarks::marths::criteria::MEANING;
@@ -73,7 +74,7 @@ impl Marths {
             criteria: MEANING,
             rows: [row],
         };
-        hand_over_found((out, self.json), "marths.json", &answer, |page| {
+        hand_over((out, self.json), no_files, |page| {
             let lead = format!(
                 "{}, the loop not closed: the targets are those of the table, and J8 has no figure.",
                 record.name
@@ -84,7 +85,7 @@ impl Marths {
             let all = MEANING.into_iter().zip(figures).chain([true_one]);
             let known = all.filter(|(_, figure)| figure.iter().all(|x| x.is_finite()));
             let known = known.map(|(meaning, figure)| (meaning, both(figure)));
-            Ok(of_followed(lead, known, page))
+            of_followed(lead, known, page).with_figures("marths.json", &WithProvenance::of(&answer))
         })
     }
 }

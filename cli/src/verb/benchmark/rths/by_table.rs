@@ -5,7 +5,8 @@ use super::super::followed::{Followed, FollowedRthsRow};
 use super::super::shared::refused;
 use super::Rths;
 use crate::answer::benchmark::of_followed;
-use crate::verb::hand_over_found;
+use crate::provenance::WithProvenance;
+use crate::verb::{hand_over, no_files};
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
@@ -77,7 +78,7 @@ impl Rths {
             criteria: MEANING,
             rows: [row],
         };
-        hand_over_found((out, self.json), "rths.json", &answer, |page| {
+        hand_over((out, self.json), no_files, |page| {
             let lead = format!(
                 "{}, case {}, the loop not closed: the targets are those of the table.",
                 record.name, CASES[place].number
@@ -88,7 +89,7 @@ impl Rths {
             ];
             let all = MEANING.into_iter().zip(found.j).chain(true_ones);
             let all = all.map(|(meaning, j)| (meaning, number(j)));
-            Ok(of_followed(lead, all, page))
+            of_followed(lead, all, page).with_figures("rths.json", &WithProvenance::of(&answer))
         })
     }
 }
