@@ -1,16 +1,16 @@
-//! What the image has to know from outside: the commit that it is built from, and the log's section.
+//! Gives the image its commit and the section of its log.
 
 use std::process::Command;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rustc-check-cfg=cfg(coupled)");
-    // The loop of two coupled actuators: on this machine it is tested, an image asks for it.
+    // The loop of two coupled actuators: always tested on this machine, in an image only on request.
     let image = std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none");
     if !image || std::env::var_os("CARGO_FEATURE_COUPLED").is_some() {
         println!("cargo:rustc-cfg=coupled");
     }
-    // Only an image says what it was built from; on this machine nothing here would ever change.
+    // Only an image contains its commit; a build for this machine does not depend on it.
     if image {
         chip();
     }
@@ -41,12 +41,12 @@ fn chip() {
     }
 }
 
-/// The commit, `-dirty` behind it if the sources are not those of the commit.
+/// The commit, followed by `-dirty` if the sources differ from it.
 fn commit() -> String {
     let Some(commit) = git(&["rev-parse", "--short=12", "HEAD"]) else {
         return "unknown".into();
     };
-    // Without its lock git does not write the index anew, which is watched: each build would begin the next one.
+    // Otherwise git rewrites its index, which is watched, and each build would cause another one.
     let changed = git(&[
         "--no-optional-locks",
         "status",

@@ -1,20 +1,20 @@
 //! The compensation methods: one list, from which names, enums, files and calls are made.
 //!
-//! A method has two halves. A *force law* acts in the equation of motion: the measured force as it is, with a damping
-//! beside it, or corrected. A *predictor* shapes the command so that the actuator, which is late, is at the target in
-//! time. Every force law goes with every predictor.
+//! A method has two halves. A *force law* gives the restoring force of the equation of motion: the measured force, the
+//! measured force plus a damping, or a corrected force. A *predictor* computes the command that brings the late actuator
+//! to the target in time. Every force law can be combined with every predictor.
 //!
 //! # To add a method
-//! Write `force/NAME.rs` or `predict/NAME.rs` and put its line into [`for_each_method`] below, in front of the last one, which
-//! stands for a method that a program [brings itself](crate::own). The line has a number, the variant, the name in test
-//! files, the type and its file; a force law also says behind which predictor it stands where its name is given alone.
+//! Write `force/NAME.rs` or `predict/NAME.rs` and add a line to [`for_each_method`] below, before the last one, which is
+//! for a method that a program [brings itself](crate::own). The line has a number, the variant, the name in test files, the
+//! type and its file; for a force law also the predictor that is used if the test file names only the force law.
 //!
-//! A `feature` is the cargo feature without which a build has the name and the number, but not the method: a board carries
-//! what its laboratory runs. A test that asks for another method is refused and told which feature that needs.
+//! A `feature` is the cargo feature that compiles the method in; without it a build knows only the name and the number.
+//! A board needs only the methods that its laboratory uses. A test with a missing method is refused with the name of the
+//! feature.
 //!
-//! The number is what travels to a board and stays in its flash. Take the next free one, and never give one again, not
-//! even after a method has gone: a board with another firmware would run another method. `link/tests/golden.txt` pins
-//! them all.
+//! The number is sent to the board and stored in its flash. Take the next free one and never reuse one, even after a method
+//! is removed: a board with other firmware would run another method. `link/tests/golden.txt` pins all numbers.
 
 /// Calls a macro with all methods.
 macro_rules! for_each_method {

@@ -1,4 +1,4 @@
-//! Names whose own figures say something simpler, and names that a stranger's specimens were given falsely: springs with a
+//! Names whose own figures say something simpler, and names that specimens of other authors were given falsely: springs with a
 //! textbook's force beside them, three seconds of rest at either end, two events.
 #![allow(missing_docs)]
 

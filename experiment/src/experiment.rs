@@ -1,4 +1,4 @@
-//! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
+//! A test on a ground motion: its strength, its length, its bench, and the ideal response for comparison.
 
 use crate::bench::ideal;
 use crate::bench::interface::{Bench, Ending, PreparedTest};
@@ -18,7 +18,7 @@ use plant::RigSpec;
 use plant::coupled::CoupledRigSpec;
 use std::f64::consts::TAU;
 
-/// A test and what shakes it.
+/// A test and its ground motion.
 ///
 /// ```
 /// use experiment::Experiment;
@@ -33,18 +33,18 @@ use std::f64::consts::TAU;
 /// let method = test.config.compensation.kind;
 /// let experiment = Experiment::new(test, &near_fault(), Some(6.0))?;
 /// let ideal = experiment.ideal()?;
-/// // Seed 1; the trace is not kept, and nobody looks on.
+/// // Seed 1; the trace is not kept, and there is no observer.
 /// let run = experiment.run(method, &ideal, 1, false, ())?;
 /// assert!(run.summary.eps_rms < 0.05, "{}", run.summary.sentence());
 /// # Ok::<(), experiment::failure::Failure>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    /// What is tested.
+    /// The test file.
     pub test: TestFile,
     /// Name of the ground motion.
     pub record: String,
-    /// Length, rest and all, s of model time.
+    /// Length including the rest, s of model time.
     pub seconds: f64,
     /// Factor on the ground motion.
     pub scale: f64,
@@ -54,7 +54,7 @@ pub struct Experiment {
     interval_s: f64,
 }
 
-/// The points that are laid under a test, rest and factor and all.
+/// The points of the ground motion as the test uses them: with the rest before it, times the factor.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaking<'a> {
     /// Ground acceleration, m/s^2.
@@ -63,31 +63,31 @@ pub struct Shaking<'a> {
     pub interval_s: f64,
 }
 
-/// Natural frequencies that structures have, Hz.
+/// Range of natural frequencies of structures, Hz.
 const USUAL_HZ: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 
-/// Damping ratios above it are no structure's.
+/// Largest damping ratio of a structure.
 const USUAL_DAMPING: f64 = 0.2;
-/// A mean above this share of the peak is no earthquake's.
+/// Largest mean of an earthquake, as a fraction of its peak.
 const MOST_OFFSET: f64 = 0.1;
 
-/// The longest test that is laid out, s of model time; a longer duration is refused as a typing error.
+/// Longest test, s of model time; a longer duration is refused as a typing error.
 const LONGEST_S: f64 = 3600.0;
 
-/// A ground motion as it is laid under a test, before its factor.
+/// A ground motion at the intervals of a test, before its factor.
 #[derive(Clone, Debug)]
 pub struct LaidOutShaking {
     /// Ground acceleration, m/s^2.
     pub acc_m_per_s2: Vec<f32>,
     /// Interval of the points, s of model time.
     pub interval_s: f64,
-    /// Length of the test, rest and all, s of model time.
+    /// Length of the test including the rest, s of model time.
     pub seconds: f64,
     /// Length of the ground motion itself, s of model time.
     pub shaken_s: f64,
 }
 
-/// Lays `shaking` out: the whole of it, or so many seconds, after the rest that the excitation asks for.
+/// Resamples `shaking`, all of it or its first seconds, and puts the rest that the excitation asks for before it.
 ///
 /// # Errors
 /// A duration that is no positive number.
@@ -106,7 +106,7 @@ pub fn shaken(
             )));
         }
     };
-    // Rest is whole intervals of the record, so that its points stay what they are.
+    // The rest is a whole number of intervals, so that the points of the record do not change.
     let still = (excitation.rest_s / shaking.interval_s).round() as usize;
     let seconds = seconds + still as f64 * shaking.interval_s;
     let mut acc_m_per_s2 = vec![0.0; still];
@@ -122,10 +122,10 @@ pub fn shaken(
 }
 
 impl Experiment {
-    /// Lays `test` over `shaking`: the whole of it, or `duration_s`; what goes on after its end is at rest.
+    /// A test on `shaking`, all of it or the first `duration_s`; after its end the ground is at rest.
     ///
     /// # Errors
-    /// A duration that is no positive number; a ground motion that cannot be laid out or, where its factor is sought,
+    /// A duration that is no positive number; a ground motion that cannot be resampled or, where its factor is sought,
     /// that moves nothing.
     pub fn new(
         test: TestFile,
@@ -151,7 +151,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// A test as it was laid out before: `shaking` is taken as it is.
+    /// A test whose `shaking` has been resampled before.
     pub fn with_shaking(
         test: TestFile,
         record: String,
@@ -171,7 +171,7 @@ impl Experiment {
         }
     }
 
-    /// What is laid under it.
+    /// Its ground motion.
     pub fn shaking(&self) -> Shaking<'_> {
         Shaking {
             acc_m_per_s2: &self.acc_m_per_s2,
@@ -179,7 +179,7 @@ impl Experiment {
         }
     }
 
-    /// The test file's factor, or the one with which the elastic structure responds as strongly as the file asks for.
+    /// The test file's factor, or the factor at which the elastic structure reaches the peak that the file asks for.
     fn wanted_scale(&self) -> Result<f64, Failure> {
         let wanted = &self.test.excitation;
         let Some(peak_mm) = wanted.peak_response_mm else {
@@ -203,8 +203,8 @@ impl Experiment {
         Ok(peak_mm * 1e-3 / peak_m)
     }
 
-    /// The same integration with an ideal actuator and ideal sensors, without compensation, filter or limits: what
-    /// Eqs 17 and 18 compare with.
+    /// The same integration with an ideal actuator and ideal sensors, without compensation, filter or limits: the
+    /// reference of Eqs 17 and 18.
     ///
     /// # Errors
     /// A parameter that is refused, with its name and value.
@@ -233,8 +233,8 @@ impl Experiment {
         Ok(own)
     }
 
-    /// The ideals of tests that differ from this one in their rigs only, in turn: faster than one by one, with the same
-    /// bits. Those of coupled actuators are worked out one by one.
+    /// The ideal responses of tests that differ from this one only in their rigs: computed together, faster than one by
+    /// one, with the same bits. Those of coupled actuators are computed one by one.
     ///
     /// # Errors
     /// As of [`Experiment::ideal`].
@@ -271,7 +271,7 @@ impl Experiment {
         Ok(responses)
     }
 
-    /// That every floor, or coordinate, moves, and by a finite displacement.
+    /// Checks that every floor, or coordinate, moves by a finite displacement.
     fn require_motion(&self, ideal: &Response) -> Result<(), Failure> {
         let peaks = ideal.peaks_m();
         let Some(still) = peaks.iter().position(|p| !(*p > 0.0 && p.is_finite())) else {
@@ -335,7 +335,7 @@ impl Experiment {
         }
     }
 
-    /// What shakes the structure, step by step.
+    /// The ground motion, step by step.
     pub(crate) fn ground(&self, config: &Config) -> Result<GroundMotion<'_>, Failure> {
         let step_s = config.model_step_s();
         GroundMotion::new(&self.acc_m_per_s2, self.interval_s, step_s).ok_or_else(|| {
@@ -369,7 +369,7 @@ impl Experiment {
         4 * (steps * config.degrees_of_freedom()) as u64
     }
 
-    /// Memory that the test and its ideal take, bytes. `keep`: every control step is kept, and written.
+    /// Memory for the test and its ideal response, bytes. `keep`: every control step is kept and written.
     pub fn memory_bytes(&self, keep: bool) -> u64 {
         let floors = self.test.config.degrees_of_freedom() as u64;
         // Numbers of a control step that a trace holds, and that HDF5 holds once more; in CSV each takes 11 letters.
@@ -378,7 +378,7 @@ impl Experiment {
         2 * self.response_bytes() + kept * self.control_steps() as u64
     }
 
-    /// That so much memory is left.
+    /// Checks that so much memory is available.
     ///
     /// # Errors
     /// Less.

@@ -1,4 +1,4 @@
-//! Numbers for people: three significant digits and an SI prefix, never twenty digits.
+//! Numbers in text: three significant digits and an SI prefix.
 
 /// SI prefixes, from the smallest, and their powers of ten.
 const PREFIXES: [(&str, i32); 9] = [

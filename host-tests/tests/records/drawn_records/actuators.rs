@@ -157,6 +157,82 @@ fn a_drawn_ram_that_is_faster_one_way_is_named_unless_its_zero_is_of_another_day
     assert_eq!(a.verdict, Verdict::Unknown, "{}", said(&a));
 }
 
+/// Beside `table_two_transducers`: the second transducer is late and reads less one way.
+#[test]
+fn asymmetry_next_to_a_drawn_late_transducer_is_named() {
+    let mut drawn = Drawn::new("late_and_uneven");
+    drawn.record(
+        ["uneven.csv", "command_mm,displacement_mm"],
+        200.0,
+        [0.0, 50.0],
+        [2e-3; 2],
+        |t, _| {
+            let hz = [0.31, 0.87, 1.9, 3.3];
+            let [late, ..] = tones(&hz, 15.0, t - 2.6e-3);
+            [tones(&hz, 15.0, t)[0], (0.99 + 0.01 * late.signum()) * late]
+        },
+    );
+    let declared = [
+        ("gain", [0.99, 5e-3]),
+        ("delay_ms", [0.0, 0.1]),
+        ("lag_ms", [0.0, 0.1]),
+        ("offset_mm", [0.0, 0.1]),
+    ];
+    let spans: [&[&str]; 2] = [&["uneven.csv@0..28"], &["uneven.csv@28..49.9"]];
+    let names = [
+        "asymmetric_actuator",
+        "delay_error",
+        "lag_error",
+        "second_lag",
+        "oil_column",
+    ];
+    let a = right(&drawn.case("actuator", &declared, spans, [&ANY, &names], 0.001));
+    let uneven = a
+        .effects
+        .iter()
+        .find(|e| e.name == Effect::AsymmetricActuator);
+    assert!(
+        uneven.and_then(|e| e.p).is_some_and(|p| p > 0.9),
+        "{}",
+        said(&a)
+    );
+}
+
+/// Beside the servo-hydraulic actuator, whose seals rub as well: what the asymmetry leaves.
+#[test]
+fn a_drawn_ram_that_is_faster_one_way_and_rubs_is_not_said_to_be_asymmetric_alone() {
+    let mut drawn = Drawn::new("rubbing_ram");
+    let (mut x, mut rubs) = (0.0, Bristles::new(0.05));
+    drawn.record(
+        ["ram.csv", "command_mm,displacement_mm"],
+        250.0,
+        [5.0, 46.8],
+        [0.0, 2.6e-3],
+        |t, dt| {
+            let hz = [0.27, 0.71, 1.6, 3.1, 6.3];
+            let e = tones(&hz, 6.0, t - 5e-3)[0] - x;
+            let way = dt * e / if e > 0.0 { 0.0205 } else { 0.0235 };
+            x += way;
+            [tones(&hz, 6.0, t)[0], x - 0.03 * rubs.slide(way)]
+        },
+    );
+    let declared = [
+        ("gain", [1.0, 0.02]),
+        ("delay_ms", [5.0, 2.0]),
+        ("lag_ms", [22.0, 3.0]),
+        ("offset_mm", [0.0, 0.1]),
+    ];
+    let spans: [&[&str]; 2] = [&["ram.csv@0..28"], &["ram.csv@28.001..46.7"]];
+    let names = [
+        "asymmetric_actuator",
+        "coulomb_friction",
+        "stribeck_friction",
+    ];
+    let a = right(&drawn.case("actuator", &declared, spans, [&ANY, &names], 0.01));
+    let rubs = a.effects.iter().any(|e| FRICTION.contains(&e.name.name()));
+    assert!(rubs || a.verdict == Verdict::Partial, "{}", said(&a));
+}
+
 /// Beside the pressure of a shake table, whose friction holds it back.
 #[test]
 fn the_pressure_of_a_drawn_table_shows_its_friction_and_no_asymmetry() {
