@@ -66,35 +66,13 @@ pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estim
     Ok((0..n)
         .map(|i| {
             let x = solution.column(i).into_owned();
+            let left = |m: &Moved, k: usize| {
+                let rest = m.force[i][k] - scaled(&m.motion, &by, k).dot(&x);
+                (rest, scaled(&m.instrument, &with, k))
+            };
             let scatter = BLOCKS_S
                 .iter()
-                .map(|seconds| {
-                    let mut scores = Vec::new();
-                    let (mut squares, mut samples) = (0.0, 0.0);
-                    for m in train {
-                        let block = ((seconds / m.interval_s) as usize).max(4);
-                        for start in (0..m.len()).step_by(block) {
-                            let mut score = DVector::<f64>::zeros(unknowns);
-                            for k in start..(start + block).min(m.len()) {
-                                let rest = m.force[i][k] - scaled(&m.motion, &by, k).dot(&x);
-                                squares += rest * rest;
-                                samples += 1.0;
-                                score.axpy(rest, &scaled(&m.instrument, &with, k), 1.0);
-                            }
-                            scores.push(score);
-                        }
-                    }
-                    let blocks = scores.len() as f64;
-                    let used = blocks / (blocks - unknowns as f64).max(0.5 * blocks);
-                    // Whatever only the ridge determines is unknown.
-                    let ridge = (RIDGE * squares / samples).sqrt();
-                    scores.extend((0..unknowns).map(|u| {
-                        DVector::from_fn(unknowns, |c, _| if c == u { ridge } else { 0.0 })
-                    }));
-                    // As a square: no rounding makes a variance negative.
-                    let turned = &inverse * DMatrix::from_columns(&scores);
-                    &turned * turned.transpose() * used
-                })
+                .map(|seconds| scatter(train, *seconds, &inverse, left))
                 .max_by(|a, b| a.trace().total_cmp(&b.trace()));
             let scatter = scatter.unwrap_or_else(|| DMatrix::zeros(unknowns, unknowns));
             Estimate {
@@ -105,4 +83,40 @@ pub fn estimate(declared: &CoupledSpecimen, train: &[Moved]) -> Result<Vec<Estim
             }
         })
         .collect())
+}
+
+/// Covariance of the unknowns from the scatter between blocks; `left` gives what is left of a sample's force, and its
+/// instrument.
+fn scatter(
+    train: &[Moved],
+    block_s: f64,
+    inverse: &DMatrix<f64>,
+    left: impl Fn(&Moved, usize) -> (f64, DVector<f64>),
+) -> DMatrix<f64> {
+    let unknowns = inverse.nrows();
+    let mut scores = Vec::new();
+    let (mut squares, mut samples) = (0.0, 0.0);
+    for m in train {
+        let block = ((block_s / m.interval_s) as usize).max(4);
+        for start in (0..m.len()).step_by(block) {
+            let mut score = DVector::<f64>::zeros(unknowns);
+            for k in start..(start + block).min(m.len()) {
+                let (rest, instrument) = left(m, k);
+                squares += rest * rest;
+                samples += 1.0;
+                score.axpy(rest, &instrument, 1.0);
+            }
+            scores.push(score);
+        }
+    }
+    let blocks = scores.len() as f64;
+    let used = blocks / (blocks - unknowns as f64).max(0.5 * blocks);
+    // Whatever only the ridge determines is unknown.
+    let ridge = (RIDGE * squares / samples).sqrt();
+    scores.extend(
+        (0..unknowns).map(|u| DVector::from_fn(unknowns, |c, _| if c == u { ridge } else { 0.0 })),
+    );
+    // As a square: no rounding makes a variance negative.
+    let turned = inverse * DMatrix::from_columns(&scores);
+    &turned * turned.transpose() * used
 }
