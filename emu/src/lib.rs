@@ -55,7 +55,7 @@ pub use image::Firmware;
 pub use laboratory::Laboratory;
 pub use log::{InjectedFault, Log, LoggedEvent, PlannedFault};
 pub use permission::Contact;
-pub use registers::{Mutant, Violation};
+pub use registers::{Mutant, ResetLine, Violation};
 pub use rig::AnyRig;
 pub use run::run;
 pub use wire::Wire;

@@ -1,7 +1,7 @@
 //! Faults of the laboratory, and its log.
 
 use crate::permission::Contact;
-use crate::registers::Violation;
+use crate::registers::{ResetLine, Violation};
 use link::MAX_ACTUATORS;
 
 /// A fault.
@@ -35,6 +35,9 @@ pub enum InjectedFault {
         /// Its level.
         high: bool,
     },
+    /// The data line of the external input converter is open: pulled low, with the last two bits of each word turned at random
+    /// by its neighbours' edges.
+    OpenData,
     /// A word of the external input converter arrives after its frame was given up.
     LateWord,
     /// The displacement transducer is dead; the converter reads its middle code with noise of one code.
@@ -120,6 +123,8 @@ pub enum InjectedFault {
     FastTimer,
     /// The clock of port E is off: PERMIT, its pulses and the step's line keep their levels, and every pin of the port reads low.
     PortWithoutClock,
+    /// A reset line inside the chip is pulsed: its peripheral is as after power-up.
+    ResetLine(ResetLine),
     /// The force is missing for `open` of every `of` control steps.
     ForceContact {
         /// Steps without it.

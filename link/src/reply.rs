@@ -86,6 +86,42 @@ pub enum Obstacle {
     Converters,
 }
 
+/// What [`Event::Arm`] or [`Event::Start`] also demands: refused by its [`name`](Self::name), as a [`RefusedParameter`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NotReady {
+    /// The hold button is pressed.
+    Held,
+    /// The loop integrates, but no energy error would stop it.
+    NoEnergyTrip,
+    /// A test starts at rest, but an actuator bears a force.
+    Strained,
+}
+
+impl NotReady {
+    /// The name of what is refused.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Held => "the hold button",
+            Self::NoEnergyTrip => "limits.energy_trip",
+            Self::Strained => "the force at the start, N",
+        }
+    }
+
+    const fn accepted(self) -> &'static str {
+        match self {
+            Self::Held => {
+                "one that is not pressed, before anything is armed, is started or goes on"
+            }
+            Self::NoEnergyTrip => {
+                "an energy error, relative to the energy in the test, that stops a test which the loop integrates: 3 is sound"
+            }
+            Self::Strained => {
+                "what half of limits.force_stands_m makes; `board calibrate --zero force=0`, or rig.force_offset_n is not this cell's"
+            }
+        }
+    }
+}
+
 /// A refusal with its text, as it travels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RefusedParameter {
@@ -105,6 +141,17 @@ impl RefusedParameter {
             value,
             accepted: cut(accepted),
         }
+    }
+
+    /// Whether this is what stands against arming or starting.
+    pub fn is(&self, what: NotReady) -> bool {
+        self.name == what.name()
+    }
+}
+
+impl From<(NotReady, f64)> for RefusedParameter {
+    fn from((what, value): (NotReady, f64)) -> Self {
+        Self::new(what.name(), value, what.accepted())
     }
 }
 

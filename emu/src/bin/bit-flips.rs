@@ -17,7 +17,7 @@ struct Arguments {
     #[arg(long, default_value_t = 2000)]
     flips: usize,
     /// Seed of the random draw
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 3)]
     seed: u64,
     /// Number of simultaneous processes
     #[arg(long, default_value_t = 2)]
@@ -25,16 +25,23 @@ struct Arguments {
     /// Print each flip on a line of its own, with its number, on standard error
     #[arg(long)]
     each: bool,
+    /// Fail if more flips than this are dangerous
+    #[arg(long)]
+    at_most: Option<usize>,
     /// Only the flip with this number, from 0
     #[arg(long)]
     number: Option<usize>,
 }
 
 fn main() -> ExitCode {
-    match table(&Arguments::parse()) {
+    let arguments = Arguments::parse();
+    match table(&arguments) {
         Ok(table) => {
             print!("{table}");
-            ExitCode::SUCCESS
+            let too_many = arguments
+                .at_most
+                .is_some_and(|most| table.dangerous() > most);
+            ExitCode::from(u8::from(too_many))
         }
         Err(sentence) => {
             eprintln!("bit-flips: {sentence}");
@@ -46,7 +53,7 @@ fn main() -> ExitCode {
 fn table(arguments: &Arguments) -> Result<Table, String> {
     let image = arguments.image.clone();
     let image = image.or_else(|| std::env::var_os("OUTERLOOP_IMAGE_16").map(PathBuf::from));
-    let image = image.ok_or("no image: accepted is --image with the ELF file of nucleo_f429zi_16, which `scripts/cross build` makes")?;
+    let image = image.ok_or("no image: accepted is --image with the ELF file of nucleo_f429zi_16, which `scripts/images` makes")?;
     let firmware = Firmware::read(&image)?;
     let trials = Trials {
         flips: arguments.flips,

@@ -32,6 +32,10 @@ pub struct Ad7606 {
     pub slow: bool,
     /// DOUTA's level, if it is stuck.
     pub stuck: Option<Level>,
+    /// Edges beside the stuck line turn the last two bits of a word.
+    pub coupled: bool,
+    /// Words transferred so far: the place in the sequence of such turns.
+    words: u32,
     /// The bit of the next frame that flips in transfer.
     pub turned: Option<u32>,
     /// Bits shifted out since CS fell.
@@ -73,6 +77,12 @@ impl Ad7606 {
         }
     }
 
+    /// Two bits that change from word to word without an order (Knuth's multiplicative hash).
+    fn noise(&mut self) -> u32 {
+        self.words = self.words.wrapping_add(1);
+        self.words.wrapping_mul(2_654_435_761) >> 30
+    }
+
     fn bit(&self, number: u32) -> u32 {
         let word = self.results[(number / 16) as usize] as u16;
         u32::from(word >> (15 - number % 16) & 1)
@@ -97,11 +107,12 @@ impl Peer for Ad7606 {
             word = word << 1 | bit ^ u32::from(turned);
             self.out += 1;
         }
-        match self.stuck {
-            None => word,
+        let level = match self.stuck {
+            None => return word,
             Some(Level::Low) => 0,
             Some(Level::High) => (1 << bits) - 1,
-        }
+        };
+        level ^ if self.coupled { self.noise() } else { 0 }
     }
 
     fn select(&mut self, context: &mut Timeline<'_, '_>) {

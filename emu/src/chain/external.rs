@@ -292,6 +292,13 @@ pub fn stick_data(session: &mut Session<Nucleo>, high: bool) {
     }
 }
 
+/// The AD7606's data line is open from now on.
+pub fn open_data(session: &mut Session<Nucleo>) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        (adc.stuck, adc.coupled) = (Some(Level::Low), true);
+    }
+}
+
 /// The AD7606's reference is wrong: it reads this percentage of its inputs.
 pub fn scale_input(session: &mut Session<Nucleo>, percent: u32) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {

@@ -36,6 +36,8 @@ pub struct Internal {
     commands: Vec<(u64, u16)>,
     /// The pin stays where it is.
     broken: bool,
+    /// The code of the voltage that the pin keeps while it floats, if nothing loads it.
+    charged: Option<u16>,
 }
 
 impl Internal {
@@ -56,6 +58,11 @@ impl Internal {
     /// From now on the pin stays where it is.
     pub fn break_output(&mut self) {
         self.broken = true;
+    }
+
+    /// The pin floats from now on, and its follower hardly loads it: it keeps its voltage.
+    pub fn keep_charge(&mut self) {
+        self.charged = Some(self.output);
     }
 
     /// The holding register is written.
@@ -94,12 +101,12 @@ impl Internal {
     pub fn pin(&self, registers: &Registers) -> Option<u16> {
         let driven =
             registers.read(DAC_CR) & ENABLED != 0 && registers.read(GPIOA_MODER) & PA4 == PA4;
-        driven.then_some(self.output)
+        driven.then_some(self.output).or(self.charged)
     }
 
     /// The chip is reset.
     pub fn reset(&mut self) {
-        (self.output, self.held) = (0, VecDeque::new());
+        (self.output, self.held, self.charged) = (0, VecDeque::new(), None);
     }
 }
 

@@ -230,18 +230,23 @@ impl Chain {
         }
     }
 
-    /// A fault of a converter outside the chip; the chip's own have none of these.
+    /// A fault of a converter. Of these the chip's own have only that the DAC is off.
     pub fn disturb(&mut self, session: &mut Session<Nucleo>, fault: InjectedFault) {
-        if let Self::External(_) = self {
-            match fault {
+        match self {
+            Self::Internal(internal) if matches!(fault, InjectedFault::ResetLine(_)) => {
+                internal.keep_charge();
+            }
+            Self::Internal(_) => {}
+            Self::External(_) => match fault {
                 InjectedFault::OutputDips => external::dip_output(session),
                 InjectedFault::InputDips => external::dip_input(session),
                 InjectedFault::InputScale { percent } => external::scale_input(session, percent),
                 InjectedFault::InputStands => external::stand_input(session),
                 InjectedFault::SlowInput => external::slow_input(session),
                 InjectedFault::StuckData { high } => external::stick_data(session, high),
+                InjectedFault::OpenData => external::open_data(session),
                 _ => {}
-            }
+            },
         }
     }
 

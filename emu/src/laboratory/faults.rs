@@ -5,7 +5,7 @@ use super::pins::{BUTTON, drive, stop_contact};
 use crate::chain::{self, Shown};
 use crate::log::{InjectedFault, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
-use crate::registers::{RCC_AHB1ENR, TIM2_ARR};
+use crate::registers::{DAC_CR, DAC_DHR12R1, RCC_AHB1ENR, ResetLine, TIM2_ARR};
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Host, Stop};
 use rigless::session::Session;
@@ -213,7 +213,8 @@ impl Laboratory {
             | InjectedFault::InputScale { .. }
             | InjectedFault::InputStands
             | InjectedFault::SlowInput
-            | InjectedFault::StuckData { .. } => self.chain.disturb(session, fault),
+            | InjectedFault::StuckData { .. }
+            | InjectedFault::OpenData => self.chain.disturb(session, fault),
             InjectedFault::LateWord => {
                 let write = Access::new(AccessKind::Write, SPI1_DR, Width::W32, 0);
                 session.access(write.at(stop.instruction_count, stop.at), host);
@@ -227,6 +228,7 @@ impl Laboratory {
             InjectedFault::PortWithoutClock => {
                 self.turn_over_register(session, host, stop, RCC_AHB1ENR, PORT_E_CLOCK_BIT)
             }
+            InjectedFault::ResetLine(line) => self.pulse(session, host, stop, line),
             InjectedFault::ResetWithoutInput => {
                 let dead = InjectedFault::StuckData { high: false };
                 self.chain.disturb(session, dead);
@@ -265,6 +267,32 @@ impl Laboratory {
             | InjectedFault::ForceContact { .. }
             | InjectedFault::ForceOffset { .. }
             | InjectedFault::HummingForce { .. } => {}
+        }
+    }
+
+    /// A reset line rises and falls.
+    fn pulse(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        host: &mut dyn Host,
+        stop: Stop,
+        line: ResetLine,
+    ) {
+        let (register, bit) = line.place();
+        for _ in 0..2 {
+            self.turn_over_register(session, host, stop, register, bit);
+        }
+        match line {
+            ResetLine::SamplingTimer => (self.sampling, self.idle_turn_ns) = (None, stop.at.0),
+            ResetLine::Dac => {
+                // To the emulator they are memory, which knows no reset line.
+                for register in [DAC_CR, DAC_DHR12R1] {
+                    let write = Access::new(AccessKind::Write, register, Width::W32, 0);
+                    session.access(write.at(stop.instruction_count, stop.at), host);
+                }
+                self.chain.disturb(session, InjectedFault::ResetLine(line));
+            }
+            _ => {}
         }
     }
 

@@ -30,6 +30,37 @@ const LINES: [Line; 13] = [
     (APB2RSTR, 1 << 12, 1 << 12, 0x4001_3000..0x4001_3400),
 ];
 
+/// The reset line of a peripheral without which a board does not sample or output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResetLine {
+    /// All of the chip's converters.
+    Adc,
+    /// The chip's DAC.
+    Dac,
+    /// SPI1, from the external input converter.
+    InputBus,
+    /// SPI3, to the external output converter.
+    OutputBus,
+    /// TIM2.
+    SamplingTimer,
+    /// TIM4.
+    OutputTimer,
+}
+
+impl ResetLine {
+    /// Its reset register, and its bit.
+    pub(crate) const fn place(self) -> (u64, u32) {
+        match self {
+            Self::Adc => (APB2RSTR, 8),
+            Self::Dac => (APB1RSTR, 29),
+            Self::InputBus => (APB2RSTR, 12),
+            Self::OutputBus => (APB1RSTR, 15),
+            Self::SamplingTimer => (APB1RSTR, 0),
+            Self::OutputTimer => (APB1RSTR, 2),
+        }
+    }
+}
+
 /// Whether the address is a clock enable register.
 pub(super) fn is_enable(address: u64) -> bool {
     let resets = [AHB1RSTR, APB1RSTR, APB2RSTR];

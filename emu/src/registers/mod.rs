@@ -10,6 +10,7 @@ mod clocks;
 pub mod external;
 pub mod internal;
 
+pub use clocks::ResetLine;
 use std::collections::HashMap;
 
 pub const TIM2_CR1: u64 = 0x4000_0000;

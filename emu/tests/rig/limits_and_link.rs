@@ -6,7 +6,7 @@ use emu::{Contact, InjectedFault, LoggedEvent, PlannedFault};
 use host_tests::loopback::command_of_version;
 use link::VERSION;
 use link::command::Command;
-use link::reply::{Obstacle, Reply};
+use link::reply::{NotReady, Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault, Method, Mode};
 
 /// A running test, with a fault 0.6 s after PERMIT and with other limits.
@@ -191,12 +191,13 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     );
 }
 
+// proves: obstacle.no_energy_trip
 #[test]
 fn a_test_that_the_board_integrates_is_not_armed_without_a_limit_of_its_energy_error() {
     let mut desk = configured(Bench::default(), |c| c.limits.energy_trip = None);
     let reply = desk.ask(Command::Event(Event::Arm));
     assert!(
-        matches!(&reply, Reply::Refused(r) if r.name == "limits.energy_trip"),
+        matches!(&reply, Reply::Refused(r) if r.is(NotReady::NoEnergyTrip)),
         "{reply:?}"
     );
 }
@@ -249,6 +250,7 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
     assert!(raised(&later) > 50 * fine(), "it does not approach");
 }
 
+// proves: obstacle.held by Button
 #[test]
 fn the_blue_button_holds_the_test() {
     let mut desk = begun(Some(InjectedFault::Button), |_| {});
@@ -256,7 +258,7 @@ fn the_blue_button_holds_the_test() {
     // The test cannot resume while it is pressed.
     let reply = desk.ask(Command::Event(Event::Start));
     assert!(
-        matches!(&reply, Reply::Refused(r) if r.name == "the hold button"),
+        matches!(&reply, Reply::Refused(r) if r.is(NotReady::Held)),
         "{reply:?}"
     );
     for _ in 0..700 {

@@ -17,6 +17,7 @@ mod mutant;
 mod mutants;
 mod orders;
 mod priorities;
+mod reset_lines;
 mod reused;
 mod settings;
 mod stopped;

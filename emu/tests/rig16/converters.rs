@@ -4,7 +4,7 @@
 mod refused;
 
 use crate::desk::{Bench, Desk, config};
-use emu::{InjectedFault, PlannedFault};
+use emu::{InjectedFault, PlannedFault, ResetLine};
 use link::Command;
 use link::command::{CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
@@ -28,6 +28,21 @@ fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
         let stale = Obstacle::Fault(Fault::StaleSample);
         refuses(InjectedFault::StuckData { high }, stale);
     }
+}
+
+/// In these frames every sensor reads the middle of its range with some noise, and so does the command, if that is sent there:
+/// nothing but the known voltage shows that they are none.
+#[test]
+fn a_data_line_that_is_open_and_picks_up_noise_gives_no_sample_and_nothing_is_armed() {
+    let stale = Obstacle::Fault(Fault::StaleSample);
+    refuses(InjectedFault::OpenData, stale);
+}
+
+/// The output holds, and reads back as sent while the rig stands.
+#[test]
+fn an_output_whose_bus_its_reset_line_has_cleared_is_not_armed() {
+    let line = InjectedFault::ResetLine(ResetLine::OutputBus);
+    refuses_in_the_middle(line, Obstacle::Fault(Fault::Output));
 }
 
 /// A new test asks for the actuator's position before the missing samples have lasted as long as its limit allows.

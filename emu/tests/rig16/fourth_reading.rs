@@ -17,7 +17,7 @@ use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
 use link::Command;
-use link::reply::Reply;
+use link::reply::{NotReady, Reply};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_core::{Event, Fault, Mode};
@@ -113,6 +113,7 @@ fn started_on(fault: Option<InjectedFault>, declared_n: Option<f64>) -> (f64, Re
     (far.fold(0.0, f64::max), reply)
 }
 
+// proves: obstacle.strained by ForceOffset
 /// A test begins at rest: a force at its start moves the structure by itself.
 #[test]
 fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
@@ -121,7 +122,7 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
         println!("{n} N: {:.2} mm, {reply:?}", far_m * 1e3);
         assert!(far_m <= BEYOND_M, "{far_m} m");
         assert!(
-            matches!(&reply, Reply::Refused(r) if r.name == "the force at the start, N"),
+            matches!(&reply, Reply::Refused(r) if r.is(NotReady::Strained)),
             "{reply:?}"
         );
     }
@@ -137,7 +138,7 @@ fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is
     println!("declared alone: {:.2} mm, {reply:?}", far_m * 1e3);
     assert!(far_m <= BEYOND_M, "{far_m} m");
     assert!(
-        matches!(&reply, Reply::Refused(r) if r.name == "the force at the start, N" && r.value < -900.0),
+        matches!(&reply, Reply::Refused(r) if r.is(NotReady::Strained) && r.value < -900.0),
         "{reply:?}"
     );
     let (plan_m, _) = started_on(None, None);

@@ -6,7 +6,7 @@
 //! PERMIT's relay welded shut while the command moves (the valve's own power).
 
 use crate::desk::{Bench, Desk, STIFFNESS_N_PER_M, codes, config};
-use emu::{Contact, InjectedFault, Log, LoggedEvent, PlannedFault};
+use emu::{Contact, InjectedFault, Log, LoggedEvent, PlannedFault, ResetLine as Line};
 use link::limits::CalibratedRange;
 use link::reply::{Obstacle, Reply};
 use link::{Calibration, Command};
@@ -39,7 +39,7 @@ const AT_ONCE: Actuator = Actuator {
 /// Faults are listed by their short names.
 use InjectedFault::*;
 
-static FAULTS: [InjectedFault; 63] = [
+static FAULTS: [InjectedFault; 68] = [
     OutputDips,
     StuckData { high: false },
     DeadSensor,
@@ -95,6 +95,11 @@ static FAULTS: [InjectedFault; 63] = [
     ForceContact { open: 40, of: 60 },
     HummingForce { codes: 29 },
     SlowInput,
+    OpenData,
+    ResetLine(Line::InputBus),
+    ResetLine(Line::OutputBus),
+    ResetLine(Line::SamplingTimer),
+    ResetLine(Line::OutputTimer),
     // The firmware's own drills: panic, fault of the processor, stack, starved task, hang, late step, clock, supply.
     Drill(1),
     Drill(2),
@@ -113,13 +118,14 @@ const LIKE_A_BREAK: InjectedFault = ReversedForce;
 /// Faults that stay on the plan's path but fall behind it: a test held by a person; a link lost for long, which ends on the same
 /// ramp; a program that hangs and commands nothing more; a port that does not drop PERMIT while the relay falls; a loop that
 /// advances only with a sample, so that the test runs slower.
-const BEHIND: [InjectedFault; 6] = [
+const BEHIND: [InjectedFault; 7] = [
     Button,
     LinkCut(2500),
     Drill(5),
     KnownVoltageFlickers,
     PortWithoutClock,
     SlowInput,
+    ResetLine(Line::SamplingTimer),
 ];
 
 /// Steps recorded of the plan, and of a test with a fault; both allow for a lost link.

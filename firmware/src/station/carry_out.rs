@@ -4,6 +4,7 @@ use super::order::{LoopStatus, Order, RefusedOrder, Returned};
 use super::period::{Output, Station};
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
+use link::reply::NotReady;
 use link::status::Timing;
 use outerloop_core::{Event, Fault, Mode, Rejected};
 
@@ -82,7 +83,7 @@ impl<const A: usize> Station<A> {
 
     pub(super) fn event(&mut self, event: Event) -> Result<Returned, RefusedOrder> {
         if matches!(event, Event::Arm | Event::Start) && self.held {
-            return Err(RefusedOrder::Held);
+            return Err(RefusedOrder::NotReady(NotReady::Held, None));
         }
         if event == Event::Arm && !self.setup.configured {
             return Err(RefusedOrder::NotConfigured);
@@ -94,7 +95,7 @@ impl<const A: usize> Station<A> {
         }
         let integrates = shaken && self.signal.is_none() && !self.targets_from_pc;
         if event == Event::Arm && integrates && !self.setup.stops_by_energy {
-            return Err(RefusedOrder::NoEnergyTrip);
+            return Err(RefusedOrder::NotReady(NotReady::NoEnergyTrip, None));
         }
         if event == Event::Arm && self.output_lost {
             return Err(RefusedOrder::Event(Rejected {
@@ -107,7 +108,7 @@ impl<const A: usize> Station<A> {
         if event == Event::Start && self.mode() == Mode::Armed && self.signal.is_none() {
             let strained = self.sensors.strained(&self.setup.sensors);
             if let Some(force_n) = strained {
-                return Err(RefusedOrder::Strained(force_n));
+                return Err(RefusedOrder::NotReady(NotReady::Strained, Some(force_n)));
             }
         }
         let mode = self.setup.outer.handle(event);

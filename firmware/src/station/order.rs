@@ -6,7 +6,7 @@ use crate::station::commission::Generator;
 use heapless::Vec;
 use link::MAX_ACTUATORS;
 use link::channel::Calibration;
-use link::reply::MAX_RECORD;
+use link::reply::{MAX_RECORD, NotReady};
 use link::status::Timing;
 use outerloop_core::{Event, Mode, Pace, Rejected, Trip};
 
@@ -71,12 +71,8 @@ pub enum RefusedOrder {
     NotConfigured,
     /// There is nothing to run.
     NothingToRun,
-    /// The loop integrates, but no energy error would stop it.
-    NoEnergyTrip,
-    /// A test starts at rest, but an actuator bears this force, N.
-    Strained(f32),
-    /// The hold button is pressed.
-    Held,
+    /// Something else that arming or starting demands is not so; the value, if it has one.
+    NotReady(NotReady, Option<f32>),
     /// Only while idle.
     NotIdle(Option<Order>),
 }

@@ -345,21 +345,9 @@ impl Service {
             RefusedOrder::NothingToRun => {
                 self.rejected(Some(Event::Arm), Some(Obstacle::NothingToRun))
             }
-            RefusedOrder::NoEnergyTrip => Reply::Refused(RefusedParameter::new(
-                "limits.energy_trip",
-                f64::NAN,
-                "an energy error, relative to the energy in the test, that stops a test which the loop integrates: 3 is sound",
-            )),
-            RefusedOrder::Strained(n) => Reply::Refused(RefusedParameter::new(
-                "the force at the start, N",
-                f64::from(n),
-                "what half of limits.force_stands_m makes; `board calibrate --zero force=0`, or rig.force_offset_n is not this cell's",
-            )),
-            RefusedOrder::Held => Reply::Refused(RefusedParameter::new(
-                "the hold button",
-                f64::NAN,
-                "one that is not pressed, before anything is armed, is started or goes on",
-            )),
+            RefusedOrder::NotReady(what, value) => {
+                Reply::Refused((what, value.map_or(f64::NAN, f64::from)).into())
+            }
             RefusedOrder::NotIdle(order) => {
                 match order {
                     Some(Order::Exchange(setup)) => self.spare = Some(setup),

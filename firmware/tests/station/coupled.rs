@@ -6,7 +6,7 @@ use firmware::sim::{self, CODES, Plant};
 use link::Calibration;
 use link::command::{BoardTest, Command, CommissioningSignal, SignalShape};
 use link::frame::checksum;
-use link::reply::{Obstacle, Reply};
+use link::reply::{NotReady, Obstacle, Reply};
 use outerloop_core::config::Limits;
 use outerloop_core::coupled::{
     Bounds, CoupledSettings, Coupler, EstimatorSettings, INTERFACE_AXIS, Plant as Actuators,
@@ -357,7 +357,7 @@ fn a_test_of_which_a_load_cell_is_off_by_a_kilonewton_is_not_started() {
     done(&Bench::armed(test.clone(), 0.0).ask(Command::Event(Event::Start)));
     let mut bench = Bench::armed(test, 1000.0);
     let (name, said) = refused(bench.ask(Command::Event(Event::Start)));
-    assert_eq!(name, "the force at the start, N");
+    assert_eq!(name, NotReady::Strained.name());
     assert!(said.contains("half of limits.force_stands_m"), "{said}");
     assert_eq!(bench.board.mode(), Mode::Armed);
 }

@@ -13,7 +13,7 @@ use firmware::sim::{self, CODES};
 use firmware::station::Heartbeat;
 use link::Calibration;
 use link::command::{Channel, Command, CommissioningSignal, SignalShape};
-use link::reply::{Obstacle, Reply};
+use link::reply::{NotReady, Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
     Config, Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits,
@@ -555,11 +555,12 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
 
 fn is_held(reply: &Reply) {
     assert!(
-        matches!(reply, Reply::Refused(r) if r.name == "the hold button"),
+        matches!(reply, Reply::Refused(r) if r.is(NotReady::Held)),
         "{reply:?}"
     );
 }
 
+// proves: obstacle.held by hold_pressed
 /// Whoever presses it has something against a motion, also against one that has not begun.
 #[test]
 fn the_button_ends_what_is_armed_and_nothing_is_armed_or_started_while_it_is_pressed() {

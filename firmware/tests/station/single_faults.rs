@@ -5,7 +5,7 @@ use crate::{done, obstacle, trips};
 use firmware::sim::CODES;
 use link::Calibration;
 use link::command::{Channel, Command, CommissioningSignal, SignalShape};
-use link::reply::{Obstacle, Reply};
+use link::reply::{NotReady, Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault, Mode};
 
 /// Loaded, idle for a while, with something broken.
@@ -184,6 +184,7 @@ fn a_dead_transducer_with_the_noise_of_its_converter_trips() {
     assert_eq!(b.fault(), Some(Fault::StaleSample));
 }
 
+// proves: obstacle.no_energy_trip
 #[test]
 fn a_test_that_integrates_is_not_armed_without_a_limit_of_its_energy_error() {
     let mut open = config();
@@ -191,7 +192,7 @@ fn a_test_that_integrates_is_not_armed_without_a_limit_of_its_energy_error() {
     let mut b = loaded(open, |_| {});
     let reply = b.event(Event::Arm);
     assert!(
-        matches!(&reply, Reply::Refused(r) if r.name == "limits.energy_trip"),
+        matches!(&reply, Reply::Refused(r) if r.is(NotReady::NoEnergyTrip)),
         "{reply:?}"
     );
 }
@@ -230,6 +231,7 @@ fn started_under(b: &mut Bench, config: &Config, read_n: f32) -> Reply {
     b.event(Event::Start)
 }
 
+// proves: obstacle.strained by dead_force
 #[test]
 fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_out_by_zero() {
     let mut limited = config();
@@ -250,7 +252,7 @@ fn a_test_begins_under_no_force_that_moves_its_structure_and_a_preload_is_taken_
         let Reply::Refused(refused) = reply else {
             panic!("{n} N: {reply:?}");
         };
-        assert_eq!(refused.name, "the force at the start, N");
+        assert!(refused.is(NotReady::Strained), "{refused}");
         assert!((refused.value - f64::from(n)).abs() < 20.0, "{refused}");
         assert!(refused.accepted.contains("--zero force=0`"), "{refused}");
         assert_eq!(b.mode(), Mode::Armed);
@@ -312,7 +314,7 @@ fn a_test_begins_under_the_force_that_its_loop_takes() {
         let Reply::Refused(refused) = reply else {
             panic!("{read_n} N: {reply:?}");
         };
-        assert_eq!(refused.name, "the force at the start, N");
+        assert!(refused.is(NotReady::Strained), "{refused}");
         let taken_n = f64::from(read_n - 1000.0) / 1.25;
         assert!((refused.value - taken_n).abs() < 20.0, "{refused}");
         assert!(

@@ -1,7 +1,7 @@
 //! What is to be proved: every command, fault, obstacle, limit, and pair of mode and event, from the code's own lists.
 
 use link::Command;
-use link::reply::Obstacle;
+use link::reply::{NotReady, Obstacle};
 use outerloop_core::config::Limits;
 use outerloop_core::{Event, Fault, Mode};
 use serde::de::{DeserializeOwned, Deserializer, Error as _, Visitor, value::Error};
@@ -14,7 +14,7 @@ pub enum Kind {
     Command,
     /// What trips a test.
     Fault,
-    /// What blocks arming.
+    /// What blocks arming, or starting.
     Obstacle,
     /// A key of `[limits]`.
     Limit,
@@ -84,6 +84,7 @@ pub fn all() -> Vec<Id> {
         });
     }
     ids.extend(enums(Kind::Obstacle, "Obstacle", names_of::<Obstacle>()));
+    ids.extend(enums(Kind::Obstacle, "NotReady", names_of::<NotReady>()));
     for limit in names_of::<Limits>() {
         ids.push(Id {
             kind: Kind::Limit,
@@ -175,11 +176,12 @@ mod tests {
         assert_eq!(count(Kind::Fault), Fault::ALL.len());
         assert_eq!(count(Kind::Mode), Mode::ALL.len() * Event::ALL.len());
         // For the others the code has no list except the type itself.
-        assert!(count(Kind::Command) >= 13 && count(Kind::Obstacle) >= 6);
+        assert!(count(Kind::Command) >= 13 && count(Kind::Obstacle) >= 9);
         for name in [
             "command.identify",
             "fault.stale_sample",
             "obstacle.nothing_to_run",
+            "obstacle.strained",
             "limit.tracking_m",
             "mode.approaching.stop",
         ] {

@@ -240,7 +240,7 @@ fn title(kind: Kind) -> &'static str {
     match kind {
         Kind::Command => "Commands",
         Kind::Fault => "Faults",
-        Kind::Obstacle => "What stands against arming",
+        Kind::Obstacle => "What stands against arming or starting",
         Kind::Limit => "Limits",
         Kind::Mode => "Modes and events",
     }
@@ -260,8 +260,8 @@ fn exempt(id: &Id, place: Place) -> Option<&'static str> {
 
 const HEAD: &str = "# Proof table
 
-What the board can be asked, what trips a test, what stands against arming, every limit, every event in every mode: which test
-holds it on this machine, in QEMU and on the flashed image, and what was made wrong to see that the test sees it: a mutant of the
+What the board can be asked, what trips a test, what stands against arming or starting, every limit, every event in every mode: which
+test holds it on this machine, in QEMU and on the flashed image, and what was made wrong to see that the test sees it: a mutant of the
 code (M), or what the test itself makes to fail. Printed from the code's own lists and the claims above the tests, by
 
 ```sh

@@ -22,4 +22,7 @@ fn the_version_of_a_release_is_the_same_wherever_it_is_said() {
     ] {
         assert_eq!(said(file, key), version, "{file}");
     }
+    // The newest heading; the date may follow.
+    let newest = said("CHANGELOG.md", "## ");
+    assert_eq!(newest.split(' ').next(), Some(version), "CHANGELOG.md");
 }

@@ -136,3 +136,24 @@ fn each_mistake_is_refused_with_its_line() {
         assert!(e.contains(said) && !e.contains('\n'), "{e}");
     }
 }
+
+/// What a fuzzer begins with is read to its end; else it would never get past a header.
+#[test]
+fn the_seeds_of_the_fuzzer_that_are_binary_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/records");
+    let load = |name: &str| SiRecording::load(&folder.join(name)).map_err(|e| e.to_string());
+    for name in [
+        "mat-5.mat",
+        "mat-5-compressed.mat",
+        "mat-7.3.mat",
+        "hdf5.h5",
+    ] {
+        let read = load(name).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(read.time_s.len(), 20, "{name}");
+        // Each has a sine of five samples a quarter.
+        let swings = read.columns.iter().any(|c| c.values[15] < 0.0);
+        assert!(swings, "{name}: {read:?}");
+    }
+    let refused = load("mat-4.mat").unwrap_err();
+    assert!(refused.contains("MATLAB 4"), "{refused}");
+}
