@@ -112,6 +112,22 @@ impl SingleActuator {
         Ok(step)
     }
 
+    /// Reads the rig at rest; gives the last step.
+    fn at_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<StepReport, Failure> {
+        let mut idle = 0;
+        loop {
+            if interrupt::asked() {
+                return Err(given_up());
+            }
+            if let Some((_, step)) = self.step(board)? {
+                idle += 1;
+                if idle >= IDLE_STEPS {
+                    return Ok(step);
+                }
+            }
+        }
+    }
+
     fn arm<P: Port>(
         &mut self,
         board: &mut Connection<P>,
@@ -120,34 +136,21 @@ impl SingleActuator {
     ) -> Result<(), Failure> {
         interrupt::watch_rig();
         board.forget_steps();
-        let (mut idle, mut latest) = (0, None);
-        while idle < IDLE_STEPS {
+        let mut latest = self.at_rest(board)?;
+        let identity = self.identity.clone();
+        let stand = |step: &StepReport| Standing::of(&identity, MAX_ACTUATORS, step, config);
+        operator.ask(&stand(&latest).question());
+        while !operator.lets_arm(&stand(&latest))? {
             if interrupt::asked() {
                 return Err(given_up());
             }
             if let Some((_, step)) = self.step(board)? {
-                (idle, latest) = (idle + 1, Some(step));
+                latest = step;
             }
-        }
-        let mut asked = false;
-        loop {
-            if let Some(step) = &latest {
-                let standing = Standing::of(&self.identity, MAX_ACTUATORS, step, config);
-                if !std::mem::replace(&mut asked, true) {
-                    operator.ask(&standing.question());
-                }
-                if operator.lets_arm(&standing)? {
-                    break;
-                }
-            }
-            if interrupt::asked() {
-                return Err(given_up());
-            }
-            latest = self.step(board)?.map(|(_, step)| step).or(latest);
         }
         event(board, Event::Arm)?;
         board.forget_steps();
-        let mut approaches = false;
+        let mut before = Mode::Idle;
         loop {
             if interrupt::asked() {
                 event(board, Event::Stop)?;
@@ -157,9 +160,9 @@ impl SingleActuator {
             }
             match self.step(board)?.map(|(_, s)| (s.mode(), s.command_m)) {
                 Some((Some(Mode::Armed), 0.0)) => return Ok(()),
-                Some((Some(Mode::Approaching), _)) => approaches = true,
+                Some((Some(Mode::Approaching), _)) => before = Mode::Approaching,
                 // Telemetry of the steps before arming has all been read.
-                Some((Some(Mode::Idle), _)) if approaches => {
+                Some((Some(Mode::Idle), _)) if before == Mode::Approaching => {
                     return Err(Failure::test(
                         "the approach to zero was ended by the board's button, and the board is idle",
                     ));
