@@ -12,11 +12,14 @@ const IMAGES: [(&str, &str, u64); 3] = [
     ("nucleo_f429zi_3", "TIM2", MOST_FLASH + COUPLED_FLASH),
 ];
 
-/// The flashed images, each with its control interrupt and its flash limit; none if there is no compiler for them.
+/// The flashed images, each with its control interrupt and its flash limit; none if there is no compiler for them. One that the
+/// environment names, as for the emulated rig, replaces that of this tree: `scripts/mutants --images`.
 fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
     IMAGES.into_iter().filter_map(|(name, interrupt, flash)| {
         let coupled = if flash > MOST_FLASH { ",coupled" } else { "" };
-        let path = image(name, &format!("nucleo-f429zi,winning-methods{coupled}"))?;
+        let named = std::env::var_os(name.replace("nucleo_f429zi", "OUTERLOOP_IMAGE"));
+        let features = format!("nucleo-f429zi,winning-methods{coupled}");
+        let path = named.map_or_else(|| image(name, &features), |path| Some(path.into()))?;
         println!("{name}:");
         Some((std::fs::read(path).unwrap(), interrupt, flash))
     })
