@@ -4,24 +4,47 @@
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
-use rustfft::FftPlanner;
+use rustfft::{FftDirection, FftPlanner};
 use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+/// Largest number of plans that a thread keeps.
+const KEPT: usize = 32;
+
+type Plan = (usize, FftDirection, Arc<dyn Fft<f64>>);
+
 thread_local! {
-    /// Plans that this thread has made.
-    static PLANNER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
+    /// The latest plans of this thread, the newest last.
+    static PLANS: RefCell<Vec<Plan>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A plan kept from an earlier call, or a new one. Each is made by a planner of its own: a planner builds a plan from the parts
+/// of earlier ones, so that the last bits of a transform would depend on the lengths that this thread has met before.
+fn planned(n: usize, direction: FftDirection) -> Arc<dyn Fft<f64>> {
+    PLANS.with_borrow_mut(|plans| {
+        let known = plans.iter().position(|p| p.0 == n && p.1 == direction);
+        let plan = match known {
+            Some(at) => plans.remove(at),
+            None => (n, direction, FftPlanner::new().plan_fft(n, direction)),
+        };
+        if plans.len() == KEPT {
+            plans.remove(0);
+        }
+        let fft = plan.2.clone();
+        plans.push(plan);
+        fft
+    })
 }
 
 /// The transform of `n` points, in place and without a factor.
 pub fn forward(n: usize) -> Arc<dyn Fft<f64>> {
-    PLANNER.with_borrow_mut(|p| p.plan_fft_forward(n))
+    planned(n, FftDirection::Forward)
 }
 
 /// Its inverse, without a factor: both one after the other multiply by `n`.
 pub fn inverse(n: usize) -> Arc<dyn Fft<f64>> {
-    PLANNER.with_borrow_mut(|p| p.plan_fft_inverse(n))
+    planned(n, FftDirection::Inverse)
 }
 
 /// The shortest length of at least `n` that has no prime factor beyond 5: its transform takes a fraction of a prime's.

@@ -4,6 +4,27 @@
 use fourier::{Complex, forward, inverse};
 use std::f64::consts::TAU;
 
+/// The bits of a transform depend on its length alone, not on what this thread has transformed before.
+#[test]
+fn other_lengths_before_it_change_no_bit() {
+    let signal = |n: usize| (0..n).map(|i| Complex::new((0.37 * i as f64).sin(), 0.0));
+    let after = |others: &[usize]| -> Vec<Complex<f64>> {
+        let others = others.to_vec();
+        let fresh = std::thread::spawn(move || {
+            for n in others {
+                forward(n).process(&mut signal(n).collect::<Vec<_>>());
+            }
+            let mut bins: Vec<_> = signal(288).collect();
+            forward(288).process(&mut bins);
+            bins
+        });
+        fresh.join().unwrap()
+    };
+    assert_eq!(after(&[]), after(&[2304]));
+    // More lengths than are kept.
+    assert_eq!(after(&[]), after(&(280..330).collect::<Vec<_>>()));
+}
+
 /// Lengths of every kind: powers of two, composite, prime.
 #[test]
 fn a_tone_is_one_bin_and_comes_back() {

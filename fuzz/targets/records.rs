@@ -1,5 +1,5 @@
 //! Records and ground motions in files of every kind that is read: text in any dialect, MAT, HDF5. The content tells the kind, not the
-//! name; MAT 4 is refused by its name.
+//! name; the refusal of MAT 4 names it.
 #![no_main]
 
 use experiment::files::columns::Columns;

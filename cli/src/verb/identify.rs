@@ -28,7 +28,7 @@ pub struct Identify {
     /// Write the result into this test file: plant.actuator, compensation.delay_ms, estimation.delay_ms and lag_ms
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
-    /// Write report.html, response.json and answer.json there: gain, phase, coherence, distortion and noise over frequency
+    /// Write report.html, response.json (gain, phase, coherence, distortion and noise over frequency) and answer.json there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -122,10 +122,15 @@ impl Reflected {
             if pass == 0.0 {
                 continue;
             }
-            // The bin at half the rate has no sign: its odd derivatives are zero.
+            // The bin at half the rate has no sign: its odd derivatives are zero, and it stands at both signs.
             let omega = if 2 * k == m { 0.0 } else { TAU * hz };
+            let mut filtered = bin * pass * by(Complex::new(0.0, omega));
+            if 2 * k == m && fine > 1 {
+                filtered *= 0.5;
+                bins[m * fine - k] = filtered;
+            }
             let at = if 2 * k <= m { k } else { k + m * (fine - 1) };
-            bins[at] = bin * pass * by(Complex::new(0.0, omega));
+            bins[at] = filtered;
         }
         fourier::inverse(m * fine).process(&mut bins);
         let first = self.before * fine;

@@ -38,16 +38,34 @@ fn main() -> ExitCode {
     match table(&arguments) {
         Ok(table) => {
             print!("{table}");
-            let too_many = arguments
-                .at_most
-                .is_some_and(|most| table.dangerous() > most);
-            ExitCode::from(u8::from(too_many))
+            match arguments.at_most.and_then(|most| failed(&table, most)) {
+                None => ExitCode::SUCCESS,
+                Some(why) => {
+                    eprintln!("bit-flips: {why}");
+                    ExitCode::FAILURE
+                }
+            }
         }
         Err(sentence) => {
             eprintln!("bit-flips: {sentence}");
             ExitCode::from(2)
         }
     }
+}
+
+/// Why a table is no proof that at most so many flips are dangerous.
+fn failed(table: &Table, most: usize) -> Option<String> {
+    let found = table.dangerous();
+    if found > most {
+        return Some(format!(
+            "{found} flips are dangerous: accepted are at most {most}"
+        ));
+    }
+    let resets = table.count(Some(Target::Core), Outcome::Reset);
+    (resets == 0).then(|| {
+        "no flip of a core register reset the board: accepted are flips that hit what is in use"
+            .into()
+    })
 }
 
 fn table(arguments: &Arguments) -> Result<Table, String> {
@@ -59,7 +77,6 @@ fn table(arguments: &Arguments) -> Result<Table, String> {
         flips: arguments.flips,
         seed: arguments.seed,
         jobs: arguments.jobs,
-        only: None,
         number: arguments.number,
     };
     let each = arguments.each;

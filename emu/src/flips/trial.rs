@@ -51,8 +51,6 @@ pub struct Trials {
     pub seed: u64,
     /// Copies that run at once.
     pub jobs: usize,
-    /// Only bits of this target.
-    pub only: Option<Target>,
     /// Only the flip of this number, from 0 in order of time.
     pub number: Option<usize>,
 }
@@ -102,9 +100,7 @@ fn drawn(trials: &Trials, plan: &Reference, memory: &Memory) -> VecDeque<Flip> {
                 0 => STEP_NS,
                 _ => (1, PERIOD_NS),
             };
-            let target = trials
-                .only
-                .unwrap_or(Target::ALL[number % Target::ALL.len()]);
+            let target = Target::ALL[number % Target::ALL.len()];
             Flip {
                 at_ns: trigger + from + rng.next_u64() % (to - from),
                 target,

@@ -14,7 +14,6 @@ fn bits_of_every_kind_turn_over_and_none_moves_the_piston_beyond_the_plan() {
         flips: 84,
         seed: 1,
         jobs: 2,
-        only: None,
         number: None,
     };
     let table = run(&firmware, &trials, |line| println!("{line}")).expect("a table");

@@ -70,7 +70,15 @@ impl FromRest {
             }
             Mode::Idle => self.idle_steps += 1,
             Mode::Armed => drop(outer.handle(Event::Start)),
-            _ => return Ok(false),
+            Mode::Running
+            | Mode::Resuming
+            | Mode::Approaching
+            | Mode::Returning
+            | Mode::Commissioning
+            | Mode::Holding
+            | Mode::Finished
+            | Mode::Stopping
+            | Mode::Tripped => return Ok(false),
         }
         Ok(true)
     }

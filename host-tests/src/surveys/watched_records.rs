@@ -29,7 +29,7 @@ pub struct Row {
 const LATE: [&str; 4] = ["delay_error", "lag_error", "second_lag", "channel_skew"];
 
 /// A servo-hydraulic actuator and its declared model. What the model lacks is not published; what the diagnosis finds, part
-/// by part, is in docs/diagnosis-validation.md.
+/// by part, is in docs/diagnosis-outside.md.
 const MODEL: &str = "../examples/real/hydraulic-actuator.toml";
 const KNOWN: &str =
     "a mean that moves with speed, friction at reversals; a damper pulls with 1 kN (not published)";

@@ -20,7 +20,7 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
         let named = std::env::var_os(name.replace("nucleo_f429zi", "OUTERLOOP_IMAGE"));
         let features = format!("nucleo-f429zi,winning-methods{coupled}");
         let path = named.map_or_else(|| image(name, &features), |path| Some(path.into()))?;
-        println!("{name}:");
+        println!("{name}, {}:", path.display());
         Some((std::fs::read(path).unwrap(), interrupt, flash))
     })
 }

@@ -142,11 +142,13 @@ impl Marths {
         hand_over_tests(ran, asked, files, |page| {
             let mut document = of_marths(&problem, &parts, &rows, drawn, page)?;
             if let Some(file) = &self.model {
-                document.tell_first(format!(
+                let warning = format!(
                     "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has none \
-                     there, and less than none cannot be integrated.\n",
+                     there, and less than none cannot be integrated.",
                     file.display()
-                ));
+                );
+                document.tell_first(warning.clone());
+                document.warn_first(warning);
             }
             document.with_figures("marths.json", &WithProvenance::of(&answer))
         })?;
