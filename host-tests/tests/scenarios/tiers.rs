@@ -78,6 +78,7 @@ fn what_the_tiers_take_out_of_a_file_is_there() {
         "emu/tests/improve.rs",
         "emu/tests/watch.rs",
         "exam/tests/field.rs",
+        "cli/tests/verbs/diagnose/beside.rs",
     ];
     let of_list = |head| {
         let (_, list) = text.split_once(&format!("\n{head}")).unwrap();
