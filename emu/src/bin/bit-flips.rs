@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use emu::Firmware;
-use emu::flips::{Table, Trials, run};
+use emu::flips::{Outcome, Table, Target, Trials, run};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
