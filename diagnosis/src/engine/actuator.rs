@@ -27,7 +27,7 @@ const WIDTH: Width = Width {
     swapped: 2,
 };
 /// Number of parts that are tried with each model that has any part or freed parameter.
-const BESIDE: usize = 4;
+const BESIDE: usize = 5;
 /// Largest number of parts and parameters of a model.
 const LARGEST: usize = 4;
 /// Number of models judged on every sample, and their largest distance below the best, nats.
@@ -37,6 +37,15 @@ const FAR_BELOW: f64 = 14.0;
 const ALONE: usize = 3;
 /// Half of a 90 % interval in standard deviations, Student's of 7: twelve segments less some five unknowns.
 const NINETY: f64 = 1.895;
+/// A second lag below this multiple of a delay that is found with it may be a part of what delays: of eight equal lags it is
+/// .55 of it.
+const ONE_OF_SEVERAL: f64 = 0.7;
+/// A delay below this fraction of a second lag that is found with it may be a part of that lag.
+const BESIDE_A_LAG: f64 = 0.3;
+/// A drift below this fraction of an offset may be how that settles.
+const SETTLES: f64 = 0.125;
+/// Friction that builds up over a way of more than this fraction of the distance by which it holds back may be play.
+const LOST: f64 = 0.4;
 /// Price of a declared parameter that leaves its tolerance, nats: gain, delay, lag, offset.
 const PARAMETERS: [f64; DECLARED] = [3.4, 3.0, 3.0, 3.2];
 
@@ -62,6 +71,45 @@ impl ActuatorModelFit {
         names.sort_by_key(|n| *n as usize);
         names.dedup();
         names
+    }
+
+    /// Names with the other that the same response may have; of two names that are one cause, the lesser with the greater.
+    fn other_names(&self, declared: [f64; DECLARED]) -> Vec<(Effect, Effect)> {
+        let names = self.names();
+        let has = |name: Effect| names.contains(&name);
+        let fit = &self.fit;
+        let [_, delay_s, _, offset_mm] = std::array::from_fn(|i| fit.declared[i] - declared[i]);
+        let mut amplitudes = fit.amplitudes.iter();
+        let mut all = Vec::new();
+        for part in &fit.model.parts {
+            let amplitude = part.kind.is_column().then(|| amplitudes.next()).flatten();
+            let size = amplitude.map_or(0.0, |a| a.abs());
+            let first = part.shapes[0];
+            let other = match part.kind {
+                PartKind::OilColumn if part.is_overdamped() => {
+                    Some((Effect::OilColumn, Effect::SecondLag))
+                }
+                // Several small lags in series delay, and a lag in series with a small one is late by that.
+                PartKind::SecondLag if !has(Effect::DelayError) => None,
+                PartKind::SecondLag if delay_s * ONE_OF_SEVERAL > first => {
+                    Some((Effect::SecondLag, Effect::DelayError))
+                }
+                PartKind::SecondLag if delay_s.abs() < BESIDE_A_LAG * first => {
+                    Some((Effect::DelayError, Effect::SecondLag))
+                }
+                // A zero that settles by a little is no drift.
+                PartKind::Drift if has(Effect::Offset) && size < SETTLES * offset_mm.abs() => {
+                    Some((Effect::Drift, Effect::Offset))
+                }
+                // What holds a drive back over as long a way as it is held back by is lost motion.
+                PartKind::Friction if first > LOST * size => {
+                    Some((Effect::CoulombFriction, Effect::Backlash))
+                }
+                _ => None,
+            };
+            all.extend(other.filter(|(name, _)| has(*name)));
+        }
+        all
     }
 
     /// True if its supply sags, which has no name.
@@ -169,17 +217,19 @@ pub fn actuator(
     judged.par_iter_mut().for_each(|f| judge.know_order(f));
     let enough = judged.clone();
     judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
-    let candidates = judged.into_iter().flat_map(candidates);
+    let values = channel.whole.declared_values();
+    let candidates = judged.into_iter().flat_map(|f| candidates(f, values));
     Some(Found::of(candidates.collect(), declared, averages.told))
 }
 
 /// A model under each of the names that its parts may have.
-fn candidates(model: ActuatorModelFit) -> Vec<Candidate<ActuatorModelFit>> {
+fn candidates(
+    model: ActuatorModelFit,
+    declared: [f64; DECLARED],
+) -> Vec<Candidate<ActuatorModelFit>> {
     let own = model.names();
     let mut names = vec![own.clone()];
-    let parts = model.named.parts.iter();
-    let other = parts.filter_map(|p| Some((p.effect()?, p.other_name()?)));
-    for (name, other) in other {
+    for (name, other) in model.other_names(declared) {
         let mut own: Vec<Effect> = own
             .iter()
             .map(|n| if *n == name { other } else { *n })
@@ -258,10 +308,7 @@ struct Search<'a, 'b> {
 
 impl<'a, 'b> Search<'a, 'b> {
     fn new(data: &'a ActuatorData<'b>, kinds: &'a [PartKind], variance: f64) -> Self {
-        let score = Score {
-            noise: variance.max(f64::MIN_POSITIVE),
-            samples: data.block_samples(),
-        };
+        let score = Score::new(variance.max(f64::MIN_POSITIVE), data.block_samples());
         Self { data, kinds, score }
     }
 
@@ -348,12 +395,17 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Candidates to add to a model: a declared parameter, or a part; of parts that can replace each other only the
-    /// best, unless added alone.
+    /// best, unless added alone. To first order friction and play change the response alike.
     fn beside(&self, of: &ActuatorModelFit) -> Vec<(usize, Option<Part>)> {
         let alone = of.fit.model.size() == 0;
         let mut best: Vec<Part> = Vec::new();
         for part in self.screened(of) {
-            if alone || !best.iter().any(|b| b.kind.is_like(part.kind)) {
+            let one_is = |kind| best.iter().any(|b| b.kind == kind) || part.kind == kind;
+            let lost = [PartKind::Play, PartKind::Friction];
+            let alike = |b: &&Part| b.kind.is_like(part.kind);
+            let like = best.iter().filter(alike).count();
+            let both = like == 1 && lost.into_iter().all(one_is);
+            if alone || like == 0 || both {
                 best.push(part);
             }
         }

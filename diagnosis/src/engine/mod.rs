@@ -59,10 +59,13 @@ pub use verdict::{Named, SURE, Said};
 use naming::candidates;
 use rayon::prelude::*;
 use score::raised;
+use search::{Scored, Search};
 use specimen::Term;
 
 /// Number of models whose shapes are refined.
 const POLISHED: usize = 24;
+/// Number of models by least squares whose shapes are refined, too.
+const BY_SQUARES: usize = 8;
 /// Number of leading models that are also tried with one term less.
 const ASKED_FOR_LESS: usize = 5;
 /// Largest distance of a refined model below the best score, nats.
@@ -83,17 +86,25 @@ pub fn specimen(
     before: Option<&SpecimenModelFit>,
 ) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
-    let (atoms, mut found) = data.searched();
+    let both = |s: &Search| {
+        let found = s.run();
+        let by_squares = s.run_by_squares(&found);
+        (found, by_squares)
+    };
+    let (atoms, (mut found, mut by_squares)) = data.searched(both);
     if !noise.told {
         let quiet = found.iter().map(|s| s.evidence.quiet());
         let raised = raised(quiet.fold(f64::INFINITY, f64::min));
         if raised > 1.0 {
             data.score.noise *= raised;
-            found = data.searched().1;
+            (found, by_squares) = data.searched(both).1;
         }
     }
+    let terms = |s: &Scored| s.atoms.iter().map(|a| Term::of(&atoms[*a])).collect();
+    let by_squares = by_squares.iter().take(BY_SQUARES).map(terms);
     let before = before.map(|fit| fit.terms.clone());
-    let mut fits = polished(data, &atoms, &found, before)?;
+    let more = by_squares.chain(before);
+    let mut fits = polished(data, &atoms, &found, more)?;
     fits.push(data.polished(&[])?);
     data.weigh_samples(&mut fits);
     let declared = fits.last()?.clone();
@@ -141,15 +152,15 @@ fn nameless(
     all
 }
 
-/// The leading models with refined shapes, and the best of them with one term less.
+/// The leading models and `more` with refined shapes, and the best of them with one term less.
 fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
-    found: &[search::Scored],
-    before: Option<Vec<Term>>,
+    found: &[Scored],
+    more: impl Iterator<Item = Vec<Term>>,
 ) -> Option<Vec<SpecimenModelFit>> {
     let best = found.first()?.evidence.score();
-    let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
+    let near = |s: &&Scored| s.evidence.score() > best - FAR_BELOW;
     let term = |&a: &usize| Term::of(&atoms[a]);
     let mut starts: Vec<Vec<Term>> = found
         .iter()
@@ -163,7 +174,7 @@ fn polished(
         .filter(|s| s.atoms.len() == 1)
         .take(beam::ALONE);
     let singles = singles.map(|s| s.atoms.iter().map(term).collect::<Vec<_>>());
-    for start in singles.chain(before) {
+    for start in singles.chain(more) {
         if !starts.contains(&start) {
             starts.push(start);
         }

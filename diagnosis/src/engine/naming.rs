@@ -5,6 +5,7 @@ use super::posterior::{Candidate, OTHER_NAME};
 use super::row::{A_PARAMETER, Form, Row};
 use super::search::price_of_many;
 use super::specimen::{SpecimenData, SpecimenModelFit, Term};
+use super::verdict::UNEXPLAINED;
 use crate::laws::specimen::element::{Element, Law};
 use crate::numbers::signals::{add_columns, add_scaled, difference, rms};
 use plant::{Effect, Family};
@@ -31,7 +32,7 @@ const NOISE_OF_SLOPES: f64 = 0.003;
 /// Smallest step between samples that has a slope, over the rms step.
 const LEAST_STEP: f64 = 0.05;
 /// A slope may miss the declared stiffness by this multiple of its tolerance, or this fraction of what the laws change,
-/// unless at a place: they are approximations.
+/// unless at a place or if they leave only noise: they are approximations.
 const ROOM: f64 = 2.0;
 const OF_THE_LAW: f64 = 0.1;
 /// Fraction of the slopes that is certainly in contact if there is a gap.
@@ -174,7 +175,12 @@ impl SpecimenData<'_> {
         }
         let Slopes { low, high, range } = self.slopes_of_freed(fit)?;
         let has_knee = fit.terms.iter().any(|t| self.is_knee(t));
-        let of_the_law = if has_knee { 0.0 } else { OF_THE_LAW * range };
+        let is_exact = fit.evidence.left_rms() < UNEXPLAINED;
+        let of_the_law = if has_knee || is_exact {
+            0.0
+        } else {
+            OF_THE_LAW * range
+        };
         let around = of_the_law.max(ROOM * self.tolerance(0));
         // A device beside the spring may have one of its own.
         let has_device = has_one_of(

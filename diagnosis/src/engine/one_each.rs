@@ -49,7 +49,7 @@ fn specimen_each(
     let bare = without_known(&base, train)?;
     let mut data = SpecimenData::new(&base, &bare)?;
     data.score.noise = NOTHING * dot(data.target(), data.target()) / data.target().len() as f64;
-    let (atoms, found) = data.searched_by(|s: &Search| s.alone());
+    let (atoms, found) = data.searched(|s: &Search| s.alone());
     let mut starts: Vec<(Effect, Term)> = Vec::new();
     for atom in found.iter().filter_map(|s| atoms.get(*s.atoms.first()?)) {
         let name = data.rows[atom.row].name(atom.shape, 1.0, &data.sizes);

@@ -3,7 +3,7 @@
 use super::bounded::Equations;
 use super::gram::judged;
 use super::row::{Form, unit};
-use super::score::{BLOCKS, NU};
+use super::score::{BLOCKS, NU, Score};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
 use crate::numbers::linear::Bound;
@@ -58,13 +58,26 @@ fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
 impl SpecimenData<'_> {
     /// Refines the shapes of a model and judges it, counting its shapes' freedom.
     pub fn polished(&self, start: &[Term]) -> Option<SpecimenModelFit> {
+        let fit = self.refined(start, &self.score)?;
+        if !fit.evidence.is_in_few_blocks() {
+            return Some(fit);
+        }
+        // The score's weights give such blocks up while a shape is far from its best: from where least squares lead.
+        let even = self.refined(start, &self.score.coarser(fit.evidence.worst()));
+        let again = even.and_then(|even| self.refined(&even.terms, &self.score));
+        let better = again.filter(|a| a.evidence.score() > fit.evidence.score());
+        Some(better.unwrap_or(fit))
+    }
+
+    /// Refines the shapes of a model by the weights of a score.
+    fn refined(&self, start: &[Term], score: &Score) -> Option<SpecimenModelFit> {
         let mut terms = start.to_vec();
-        let mut here = self.fitted(&terms, self.declared_values())?;
+        let mut here = self.fitted(&terms, self.declared_values(), score)?;
         if terms
             .iter()
             .any(|t| matches!(self.rows[t.row].form, Form::Effect(_)))
         {
-            here = self.fitted(&terms, here.on_refitted())?;
+            here = self.fitted(&terms, here.on_refitted(), score)?;
         }
         let mut slopes = Vec::new();
         for round in 0..ROUNDS {
@@ -72,7 +85,7 @@ impl SpecimenData<'_> {
             if slopes.is_empty() || round + 1 == ROUNDS {
                 break;
             }
-            let Some((moved, there)) = self.stepped(&terms, &here, &slopes) else {
+            let Some((moved, there)) = self.stepped(&terms, &here, &slopes, score) else {
                 break;
             };
             let fall = 1.0 - there.cost / here.cost;
@@ -85,20 +98,20 @@ impl SpecimenData<'_> {
         self.concluded(terms, &here, slopes)
     }
 
-    /// The strengths of a model, with the score's weights.
-    fn fitted(&self, terms: &[Term], on: [f64; DECLARED]) -> Option<Weighed> {
+    /// The strengths of a model, by the weights of a score.
+    fn fitted(&self, terms: &[Term], on: [f64; DECLARED], score: &Score) -> Option<Weighed> {
         let columns = self.columns_on(terms, &on);
         let bounds = self.bounds(terms);
         let parts = self.parts(&columns, &self.target);
         let (low, high) = ends(&bounds);
-        let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
+        let even = std::array::from_fn(|b| 1.0 / score.samples[b].max(1.0));
         let ties = self.ties(|i| self.frees(terms, i));
-        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &even)?;
+        let fitted = judged(&parts, [&low, &high], &ties, score, &even)?;
         let mut answer = vec![0.0; self.target.len()];
         add_columns(&mut answer, &columns, &fitted.strengths, 1.0);
         let residual = difference(&self.target, &answer);
-        let weights = self.score.weights(&fitted.left);
-        let cost = self.score.evidence(&fitted.left, 0.0).log_density;
+        let weights = score.weights(&fitted.left);
+        let cost = score.evidence(&fitted.left, 0.0).log_density;
         Some(Weighed {
             on,
             columns,
@@ -188,6 +201,7 @@ impl SpecimenData<'_> {
         terms: &[Term],
         here: &Weighed,
         slopes: &[Slope],
+        score: &Score,
     ) -> Option<(Vec<Term>, Weighed)> {
         let (low, high) = self.room(here, slopes, MOST_STEP);
         let mut all = here.columns.clone();
@@ -211,7 +225,7 @@ impl SpecimenData<'_> {
                 continue;
             }
             if let Some(there) = self
-                .fitted(&moved, here.on_refitted())
+                .fitted(&moved, here.on_refitted(), score)
                 .filter(|t| t.cost < here.cost)
             {
                 return Some((moved, there));

@@ -171,10 +171,7 @@ mod tests {
 
     /// A candidate whose residual is `left` times the noise, at this price.
     fn candidate(names: &[Effect], left: f64, price: f64) -> Candidate<()> {
-        let score = Score {
-            noise: 1.0,
-            samples: [100.0; BLOCKS],
-        };
+        let score = Score::new(1.0, [100.0; BLOCKS]);
         Candidate {
             names: names.to_vec(),
             nameless: false,

@@ -19,6 +19,11 @@ pub const EPS: f64 = 0.28;
 /// A model whose structure is below this fraction of the noise leaves noise: each sample counts.
 pub const LEAVES_NOISE: f64 = 1.0;
 
+/// Factor on the prices of terms where structure of more than the usual size counts as nothing.
+const COARSE: f64 = 0.3;
+/// Structure of the worst block over the typical one beyond which few blocks have nearly all of it.
+const FEW: f64 = 50.0;
+
 /// Largest factor by which a noise without a rest is raised to the best model's residual in its quietest blocks, rms.
 const AT_MOST: f64 = 2.5;
 
@@ -48,6 +53,8 @@ pub struct Score {
     pub noise: f64,
     /// Number of samples of each block.
     pub samples: [f64; BLOCKS],
+    /// Structure below this fraction of the noise variance counts as nothing.
+    hidden: f64,
 }
 
 /// The evidence for a model.
@@ -79,6 +86,17 @@ impl Evidence {
         self.log_density - self.price - self.against
     }
 
+    /// Structure in its worst block, as a fraction of the noise variance.
+    pub fn worst(&self) -> f64 {
+        self.left.into_iter().fold(0.0, f64::max)
+    }
+
+    /// True if a few blocks have nearly all of its structure: a fit may be caught there.
+    pub fn is_in_few_blocks(&self) -> bool {
+        let typical = (-2.0 * self.log_density / NU).exp();
+        self.worst() > FEW * typical
+    }
+
     /// Structure in its third quietest block, as a fraction of the noise variance.
     pub fn quiet(&self) -> f64 {
         let mut left = self.left;
@@ -94,6 +112,22 @@ impl Evidence {
 }
 
 impl Score {
+    /// For a noise of this variance in blocks of these numbers of samples.
+    pub const fn new(noise: f64, samples: [f64; BLOCKS]) -> Self {
+        let hidden = EPS * EPS;
+        Self {
+            noise,
+            samples,
+            hidden,
+        }
+    }
+
+    /// The same, in which structure below this fraction of the noise variance counts as nothing: plain least squares for
+    /// smaller ones.
+    pub const fn coarser(&self, hidden: f64) -> Self {
+        Self { hidden, ..*self }
+    }
+
     /// Structure beyond the noise on each block, relative to the noise variance.
     fn structure(&self, squares: &[f64; BLOCKS]) -> [f64; BLOCKS] {
         std::array::from_fn(|b| {
@@ -105,13 +139,18 @@ impl Score {
     /// The evidence for a model of this price, from its squares on left-out blocks.
     pub fn evidence(&self, left_out: &[f64; BLOCKS], price: f64) -> Evidence {
         let left = self.structure(left_out);
-        let logs = left.iter().map(|s| (EPS * EPS + s).ln());
+        let logs = left.iter().map(|s| (self.hidden + s).ln());
         Evidence {
             left,
             log_density: -0.5 * NU * logs.sum::<f64>() / BLOCKS as f64,
             price,
             against: 0.0,
         }
+    }
+
+    /// Factor on the prices of terms: coarsely, what a term is worth shows only in part.
+    pub const fn of_prices(&self) -> f64 {
+        if self.hidden > EPS * EPS { COARSE } else { 1.0 }
     }
 
     /// Weight of a declared parameter's deviation from its declared value, relative to the blocks' squares: half a nat
@@ -123,7 +162,7 @@ impl Score {
     /// Weights of the blocks' squares in a fit: the gradient of the score.
     pub fn weights(&self, left: &[f64; BLOCKS]) -> [f64; BLOCKS] {
         let structure = self.structure(left);
-        std::array::from_fn(|b| 1.0 / (self.samples[b].max(1.0) * (EPS * EPS + structure[b])))
+        std::array::from_fn(|b| 1.0 / (self.samples[b].max(1.0) * (self.hidden + structure[b])))
     }
 }
 
@@ -154,10 +193,7 @@ mod tests {
 
     #[test]
     fn twice_the_squares_are_five_and_a_half_nats_and_less_than_the_noise_hides_is_nothing() {
-        let score = Score {
-            noise: 1.0,
-            samples: [100.0; BLOCKS],
-        };
+        let score = Score::new(1.0, [100.0; BLOCKS]);
         let of = |s: f64| score.evidence(&[100.0 * (1.0 + s); BLOCKS], 0.0);
         let fall = of(100.0).log_density - of(200.0).log_density;
         assert!((fall - 5.545).abs() < 0.01, "{fall}");

@@ -2,7 +2,7 @@
 
 use super::beam::{self, Beam, Width};
 use super::gram::{Grams, Tie};
-use super::score::{BLOCKS, Score};
+use super::score::{BLOCKS, LEAVES_NOISE, Score};
 use crate::numbers::linear::Bound;
 use plant::Family;
 
@@ -13,6 +13,9 @@ pub const MOST_TERMS: usize = 4;
 
 /// A set of laws, with its residual squares on each block when fitted to all blocks.
 pub type Scored = beam::Scored<[f64; BLOCKS]>;
+
+/// The worst block's structure over what a search by squares counts as nothing.
+const OF_THE_WORST: f64 = 5.0;
 
 /// A law with one set of shape values, and its columns.
 #[derive(Clone, Debug)]
@@ -45,7 +48,7 @@ pub fn price_of_many(families: &[Family]) -> f64 {
 }
 
 /// Everything that the search covers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Search<'a> {
     /// Products of all columns, declared ones first.
     pub grams: &'a Grams,
@@ -82,6 +85,7 @@ impl Search<'_> {
         }
         let families: Vec<Family> = own().map(|a| a.family).collect();
         let price = own().map(|a| a.price).sum::<f64>() + price_of_many(&families);
+        let price = price * self.score.of_prices();
         Some(Scored {
             evidence: self.score.evidence(&fitted.left_out, price),
             fit: fitted.left,
@@ -115,5 +119,20 @@ impl Search<'_> {
     pub fn run(&self) -> Vec<Scored> {
         self.beam()
             .map_or_else(Vec::new, |(empty, beam)| beam.run(empty))
+    }
+
+    /// Runs it by plain least squares, if some block of the best that it found has more than noise. The score gives up a block
+    /// that no law on the grid comes near, as after a yield displacement that is a little off.
+    pub fn run_by_squares(&self, found: &[Scored]) -> Vec<Scored> {
+        let worst = found.first().map_or(0.0, |s| s.evidence.worst());
+        if worst < LEAVES_NOISE {
+            return Vec::new();
+        }
+        let score = &self.score.coarser(worst / OF_THE_WORST);
+        Search {
+            score,
+            ..self.clone()
+        }
+        .run()
     }
 }

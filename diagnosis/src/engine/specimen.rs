@@ -7,7 +7,7 @@ use super::law::table;
 use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
 use super::score::{Evidence, Score, edges};
-use super::search::{Atom, DECLARED, Scored, Search};
+use super::search::{Atom, DECLARED, Search};
 use crate::criteria::CUTOFF_ROOM;
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
@@ -123,10 +123,8 @@ impl<'a> SpecimenData<'a> {
             .iter()
             .flat_map(|m| m.track.column_of(&m.track.v, every));
         let edges = edges(&speeds.collect::<Vec<f64>>());
-        let score = Score {
-            noise: 1.0,
-            samples: std::array::from_fn(|b| (edges[b + 1] - edges[b]) as f64),
-        };
+        let samples = std::array::from_fn(|b| (edges[b + 1] - edges[b]) as f64);
+        let score = Score::new(1.0, samples);
         Some(Self {
             rows: table(&sizes, rests, base.within_tolerances(1).low > 0.0),
             base,
@@ -165,13 +163,8 @@ impl<'a> SpecimenData<'a> {
         })
     }
 
-    /// The models found by the search.
-    pub fn searched(&self) -> (Vec<Atom>, Vec<Scored>) {
-        self.searched_by(|s: &Search| s.run())
-    }
-
-    /// The models found by a part of the search.
-    pub fn searched_by(&self, run: impl Fn(&Search) -> Vec<Scored>) -> (Vec<Atom>, Vec<Scored>) {
+    /// The atoms, and what `run` finds by their products.
+    pub fn searched<T>(&self, run: impl Fn(&Search) -> T) -> (Vec<Atom>, T) {
         let places: Vec<(usize, [f64; 4])> = self
             .rows
             .iter()

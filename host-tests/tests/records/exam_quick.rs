@@ -199,6 +199,29 @@ fn a_ram_damped_by_orifices_bristles_and_own_heat_are_named_and_saved() {
     }
 }
 
+/// Two effects: a loop that yields in few blocks of a record; a drift beside a loop; loops whose yield displacements differ; an
+/// actuator's friction that to first order is play, beside a scale and an offset; small lags in a chain, two lags, a zero that
+/// settles, each as one cause; and a wrong scale beside a joint that slips.
+#[test]
+fn two_effects_are_named_where_least_squares_leads_and_one_cause_has_one_name() {
+    let ids = [
+        "two-9100000",
+        "two-9100093",
+        "two-9100111",
+        "two-9100064",
+        "two-9300046",
+        "two-9100065",
+        "two-9100071",
+        "two-9100101",
+        "two-9100046",
+    ];
+    let items = ids.map(|id| Item::from_id(id).unwrap());
+    let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    for s in &all {
+        assert_eq!(s.grade.mark, Mark::Exact, "{}: {}", s.item.seed, said(s));
+    }
+}
+
 /// A calibration that is off, and by more at the end of its range.
 #[test]
 fn a_wrong_scale_that_bends_is_in_the_set_with_the_spring_that_does() {

@@ -11,8 +11,11 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         // Two rows, since a device may yield at two levels.
         Row::element(Law::Slider, 2.8, over([0.06, 0.1, 0.16], x)),
         Row::element(Law::Slider, 2.8, over([0.27, 0.42, 0.6, 0.75, 0.9], x)),
-        Row::element(Law::Distributed, 3.2, over([0.06, 0.15, 0.3, 0.6], x)),
     ];
+    let together = [0.06, 0.15, 0.3, 0.6, 0.9]
+        .iter()
+        .flat_map(|y| [0.0, 0.6].map(|begins| [y * x, begins, 0.0, 0.0]));
+    all.push(Row::element(Law::Distributed, 2.8, together));
     let yields = [0.05, 0.1, 0.2, 0.35, 0.55, 0.8];
     let wen = yields
         .iter()

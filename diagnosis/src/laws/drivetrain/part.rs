@@ -344,10 +344,9 @@ impl Part {
         self.kind.price() + 0.5 * damped * damped
     }
 
-    /// The other name of the same response: a resonance that does not ring may be a lag.
-    pub fn other_name(&self) -> Option<Effect> {
-        let lags = self.kind == PartKind::OilColumn && self.shapes[1] > RINGS;
-        lags.then_some(Effect::SecondLag)
+    /// True for a resonance that does not ring: it may be a lag.
+    pub fn is_overdamped(&self) -> bool {
+        self.kind == PartKind::OilColumn && self.shapes[1] > RINGS
     }
 }
 

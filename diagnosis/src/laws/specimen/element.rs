@@ -17,7 +17,7 @@ pub enum Law {
     Bristles,
     /// Bouc-Wen [yield displacement mm, exponent, load, unload].
     BoucWen,
-    /// Five sliders [largest yield displacement mm].
+    /// Five sliders [largest yield displacement mm, where they begin as a share of it].
     Distributed,
     /// Friction in series with a spring [yield displacement mm, creep mm/s, exponent].
     InSeries,
@@ -100,7 +100,7 @@ impl Element {
             Law::Slider => slider(x, p),
             Law::Bristles => laws::bristles(x, p),
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
-            Law::Distributed => laws::distributed(x, p),
+            Law::Distributed => laws::distributed(x, p, q),
             Law::InSeries => laws::in_series(x, h, p, q, r),
             Law::PowerOfSpeed => of_v(&|v| (v / sizes.v).abs().powf(p).copysign(v)),
             Law::Saturating => of_v(&|v| (v / p).tanh()),

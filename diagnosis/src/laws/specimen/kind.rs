@@ -8,6 +8,9 @@ use crate::criteria::{
 };
 use plant::Effect;
 
+/// Smallest yield displacement over the largest beyond which sliders yield together.
+const AT_ONCE: f64 = 0.5;
+
 impl Element {
     /// Its name, from its shape. `strength` tells a stiffening spring from a softening one.
     pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
@@ -26,6 +29,7 @@ impl Element {
                 Effect::CoulombFriction
             }
             Law::Slider | Law::SliderAway | Law::SliderAlong => Effect::BilinearHysteresis,
+            Law::Distributed if q > AT_ONCE => Effect::BilinearHysteresis,
             Law::Bristles
             | Law::BoucWen
             | Law::Distributed
@@ -104,7 +108,7 @@ impl Element {
             Law::BoucWen if load > 0.0 => yield_at * load.powf(-1.0 / n),
             Law::BoucWen => f64::INFINITY,
             // The mean of its five yield displacements.
-            Law::Distributed => 0.6 * yield_at,
+            Law::Distributed => yield_at * (0.6 + 0.4 * n),
             _ => yield_at,
         }
     }

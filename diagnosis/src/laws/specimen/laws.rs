@@ -17,11 +17,13 @@ pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
     sum
 }
 
-/// Five sliders of equal force whose yield displacements are evenly spaced up to `most` (Iwan's parallel elements).
-pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
+/// Five sliders of equal force whose yield displacements are evenly spaced from `begins` of `most` up to it (Iwan's parallel
+/// elements, J. Appl. Mech. 33, 1966).
+pub fn distributed(x: &[f64], most: f64, begins: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for i in 1..=5 {
-        add_scaled(&mut sum, &slider(x, most * f64::from(i) / 5.0), 0.2);
+        let of_most = begins + (1.0 - begins) * f64::from(i) / 5.0;
+        add_scaled(&mut sum, &slider(x, most * of_most), 0.2);
     }
     sum
 }
@@ -118,7 +120,8 @@ mod tests {
         for f in [
             slider(&x, 0.1),
             bristles(&x, 0.1),
-            distributed(&x, 0.5),
+            distributed(&x, 0.5, 0.0),
+            distributed(&x, 0.5, 0.7),
             bouc_wen(&x, 0.2, 2.0, 1.0, 1.0),
             bouc_wen(&x, 1.0, 1.0, -0.3, 1.9),
             in_series(&x, 0.01, 0.05, 0.5, 5.0),

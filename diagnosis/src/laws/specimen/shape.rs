@@ -26,7 +26,6 @@ impl Element {
         match self.law {
             Law::Slider
             | Law::Bristles
-            | Law::Distributed
             | Law::PowerOfSpeed
             | Law::Saturating
             | Law::Relaxing
@@ -36,6 +35,7 @@ impl Element {
             // If it has rates of its own, the give is the unit of its force.
             Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
             Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
+            Law::Distributed => &[(0, Log), (1, Straight)],
             Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
             Law::PowerOfPlace => &[(0, Straight)],
             Law::SliderAway | Law::SliderAlong => &[(0, Log)],
@@ -69,7 +69,7 @@ impl Element {
                     && grows > -4.0
             }
             // Longer yields would be springs of unknown state.
-            Law::Distributed => (5e-3 * x..=0.6 * x).contains(&p),
+            Law::Distributed => (5e-3 * x..=0.97 * x).contains(&p) && (0.0..0.9).contains(&q),
             Law::InSeries => {
                 (1e-3 * x..=0.6 * x).contains(&p)
                     && (1e-3 * sizes.v..=3.0 * sizes.v).contains(&q)
