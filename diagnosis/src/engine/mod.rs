@@ -17,7 +17,7 @@
 //!
 //! The engine expects records that were checked and resampled (`record/`, `prepare/plausible.rs`), without what the
 //! model already explains (`prepare/known.rs`); a noise that is the transducer's and the declared model's response to
-//! it, no disturbance (`prepare/noise.rs`); and that what follows a verdict adds no names (`diagnose.rs`). Notes,
+//! it, no disturbance (`prepare/noise.rs`); and that what follows a verdict searches no laws (`diagnose.rs`). Notes,
 //! remainder, error intervals and saving use a [`SpecimenModelFit`] and its residuals. The same search, posterior and
 //! verdict find wrong matrix entries of several coordinates (`diagnose/coupled/select.rs`): there a name is an entry.
 

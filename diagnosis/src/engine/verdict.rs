@@ -1,5 +1,6 @@
-//! The decision on a posterior. `diagnose.rs` lists, in order, what may follow it. Those steps add no names: they
-//! withdraw a verdict, widen it to a set, or attribute to noise what has no name.
+//! The decision on a posterior. `diagnose.rs` lists, in order, what may follow it: a verdict is withdrawn where held-out data
+//! contradict it, widened to a set where the motion cannot tell names apart, or judged anew without corners or hum; and what is
+//! left is attributed to mains hum, converter steps or noise.
 
 use super::posterior::{Candidate, Name, Posterior};
 use plant::{Effect, Family};

@@ -113,7 +113,10 @@ fn main() {
         .iter()
         .find_map(|a| a.strip_prefix("--settle=")?.parse().ok());
     if let Some(wanted) = wanted {
-        settle::all(seeds, wanted, list);
+        if !settle::all(seeds, wanted, list) {
+            eprintln!("field: designed tests settle fewer rigs than aimed at, by more than chance");
+            std::process::exit(1);
+        }
         return;
     }
     let rigs = worlds

@@ -213,7 +213,8 @@ fn end(truth: &Truth, found: &Diagnosis) -> End {
 }
 
 /// Looks for `wanted` rigs among `seeds` whose first record is ambiguous, and tries to settle them.
-pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
+/// False if they settle fewer than aimed at by more than chance.
+pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) -> bool {
     let bar = ProgressBar::new(wanted as u64);
     let mut rigs: Vec<Played> = Vec::new();
     let mut drawn = 0;
@@ -270,9 +271,15 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
         "\nof those that the design settled one test was enough for {}\n",
         one.count()
     );
-    let settled = Figure::share(by_design().count() as f64, rigs.len());
+    let count = by_design().count() as f64;
+    let settled = Figure::share(count, rigs.len());
     println!("{}", aims::table(&[(&aims::SETTLED, &[settled])]));
+    let chance = 2.0 * (AIM * (1.0 - AIM) * rigs.len() as f64).sqrt();
+    count >= AIM * rigs.len() as f64 - chance
 }
+
+/// Fraction of the rigs that designed tests should settle.
+const AIM: f64 = 0.7;
 
 fn one(seed: u64) -> Option<Played> {
     let field = set_field(seed);
