@@ -4,7 +4,7 @@
 //! |---|---|
 //! | fixed force and predictor, linear specimen | small motions, and the planned motion |
 //! | the same, and a specimen that yields | both have to agree |
-//! | variable damping, corrected force, a predictor that learns | the planned motion, and `omega tau` without a predictor |
+//! | variable damping, corrected force, a predictor that learns | the planned motion |
 //! | two coupled actuators | the planned motion |
 //!
 //! The planned motion runs with the noise, the bits, the yielding and the effects of the test file, on the rig as it is
@@ -20,7 +20,6 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::numbers::{percent, percent_or_lost};
 use crate::stability::growth::is_linear;
-use crate::stability::limits::lateness_of;
 use crate::stability::perturbed::Spread;
 use crate::stability::small_motion::Learning;
 use crate::stability::structure_modes::StructureModes;
@@ -29,7 +28,7 @@ use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
 use crate::trace::Response;
 use crate::watch::WatchReport;
 use outerloop_core::config::Amb;
-use outerloop_core::{Config, Force, Prediction};
+use outerloop_core::{Config, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
 use rayon::prelude::*;
@@ -116,8 +115,6 @@ struct Small {
     stable: bool,
     /// 1/s of model time.
     growth_per_s: f64,
-    /// First natural frequency times lateness, rad.
-    phase_rad: f64,
 }
 
 impl Small {
@@ -125,18 +122,12 @@ impl Small {
         let question = e.small_motions(Learning::On)?;
         let structure = StructureModes::of(&e.test.config)?;
         let row = question.small_motions(&structure, &Variation::NONE)?;
-        let late_s = lateness_of(&question, &structure, &Variation::NONE)?;
         Ok(Self {
             stable: row.stable,
             growth_per_s: row.growth_per_s,
-            phase_rad: structure.omega[0] / e.test.config.timing.time_scale * late_s,
         })
     }
 }
-
-/// Largest `omega tau` for which variable damping makes up for a lateness: it takes the lost energy out again but leaves
-/// the error of stiffness, which grows with the square of it.
-const LARGEST_PHASE_RAD: f64 = 0.2;
 
 /// Largest motion, m, for which the published gains of `amb` are: that of the benchmark problem, 8 mm, and some more. Its law
 /// is scaled by the square of the jerk.
@@ -256,7 +247,7 @@ fn decide(
     let fixed = fixed(&e.test);
     let elastic = e.test.plant.specimen.kind == SpecimenKind::Linear;
     of_small_and_planned_motion(small, &runs.own, fixed, elastic)
-        .or_else(|| of_rigs_that_differ(e, small, spread, runs))
+        .or_else(|| of_rigs_that_differ(spread, runs))
         .unwrap_or_else(|| {
             let by = match small {
                 Some(_) if fixed && elastic => "small motions decay, and the planned motion",
@@ -322,30 +313,8 @@ fn of_small_and_planned_motion(
     })
 }
 
-/// What is wrong on the two that differ from it, or would be with another motion.
-fn of_rigs_that_differ(
-    e: &Experiment,
-    small: Option<&Small>,
-    spread: &Spread,
-    runs: &Runs,
-) -> Option<(SoundnessVerdict, String)> {
-    use SoundnessVerdict::Doubtful;
-    let own = &runs.own;
-    let method = e.test.config.compensation.kind;
-    let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
-    let force_only = method.force != Force::None && method.predictor == Prediction::None;
-    let phase_rad = small.map_or(0.0, |small| small.phase_rad);
-    if force_only && phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
-        let said = format!(
-            "omega tau is {:.2}, and a force law without a predictor makes up for a lateness to about {LARGEST_PHASE_RAD}: the \
-             planned motion has an error of {} rms, and of {} on a rig that differs by {} of its delay",
-            phase_rad,
-            percent(own.eps_rms),
-            percent(differing),
-            percent(spread.delay)
-        );
-        return Some((Doubtful, said));
-    }
+/// What is wrong on the two that differ from it.
+fn of_rigs_that_differ(spread: &Spread, runs: &Runs) -> Option<(SoundnessVerdict, String)> {
     for (run, sign, how) in [
         (&runs.later, '+', "later and stronger"),
         (&runs.sooner, '-', "sooner and weaker"),
@@ -356,7 +325,7 @@ fn of_rigs_that_differ(
                 percent(spread.delay),
                 percent(spread.gain)
             );
-            return Some((Doubtful, said));
+            return Some((SoundnessVerdict::Doubtful, said));
         }
     }
     None

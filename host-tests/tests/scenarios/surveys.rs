@@ -61,6 +61,20 @@ fn amb_is_judged_under_noises_other_than_its_own() {
     }
 }
 
+/// Eq 14 and the default method at `omega tau` of 0.25 and 0.30: late rigs have errors of 12 and 10.4 %, but none runs away.
+#[test]
+fn a_force_law_without_a_predictor_is_judged_by_the_planned_motion_like_any_other() {
+    use experiment::soundness::SoundnessVerdict::Stable;
+    let drawn = verdicts::draw(1000, 21);
+    let tests = [740, 723].map(|i: usize| drawn[i].clone());
+    let cases = verdicts::run(&tests, Known::Rig, || ()).expect("tests that can be judged");
+    for case in cases {
+        assert_eq!(case.truth, ActualOutcome::Sound);
+        assert!((0.07..0.1).contains(&case.expected_eps_rms));
+        assert_eq!(case.verdict, Stable, "{}", case.reason);
+    }
+}
+
 /// Actuators that differ slightly from the declared ones, with every compensation: counts of the check's verdicts.
 fn coupled_verdicts(rigs: usize, known: Known) -> [VerdictCounts; 3] {
     let cases =
