@@ -6,7 +6,7 @@ use crate::drawn::DrawnRigs;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::judged::JudgedRun;
-use crate::numbers::{percent, percent_or_lost};
+use crate::numbers::percent;
 use crate::soundness::{self, Judgement, SoundnessVerdict};
 use crate::stability::perturbed::Spread;
 use crate::summary::{POOR_EPS_RMS, Summary};
@@ -55,8 +55,6 @@ pub type CheckedTrial = (CoupledCheck, Response, JudgedRun);
 
 /// A planned motion is near a limit from this fraction of it.
 const NEAR: f64 = 0.9;
-/// Number of other noises under which the planned motion runs: what `coupled` learns may be right by chance.
-const OTHER_NOISES: u64 = 10;
 
 /// Judges a test like any other, and by its limits and a stop. It also runs on rigs drawn around the simulated one,
 /// which count if its actuators are the declared ones. Each of their numbers varies independently: poles, zeros and
@@ -95,7 +93,7 @@ pub fn check(
     if judgement.verdict == SoundnessVerdict::Stable {
         let mut doubt = near_a_limit(&limits);
         if doubt.is_none() {
-            doubt = under_other_noise(e, &ideal, spread.seed)?;
+            doubt = soundness::under_other_noise(e, &ideal, spread.seed)?;
         }
         if doubt.is_none() {
             doubt = stop::doubt(e, &ideal, spread.seed)?;
@@ -120,36 +118,9 @@ pub fn check(
     Ok((check, ideal, run))
 }
 
-/// Doubts about the planned motion under other noise.
-fn under_other_noise(
-    e: &Experiment,
-    ideal: &Response,
-    seed: u64,
-) -> Result<Option<String>, Failure> {
-    // The first seeds belong to the rig itself and to the two that differ.
-    let seeds = (0..OTHER_NOISES)
-        .into_par_iter()
-        .map(|i| seed.wrapping_add(10 + i));
-    let errors = seeds.map(|seed| Ok(soundness::planned(e, ideal, seed)?.error()));
-    let errors = errors.collect::<Result<Vec<_>, Failure>>()?;
-    Ok(poor(&errors).map(|(count, worst)| {
-        format!(
-            "under {count} of {OTHER_NOISES} other noises the planned motion has an error above {}, at worst {worst}",
-            percent(POOR_EPS_RMS),
-        )
-    }))
-}
-
-/// The number of poor errors among these, and the worst in words; `None` if none is poor.
-fn poor(errors: &[f64]) -> Option<(usize, String)> {
-    let count = errors.iter().filter(|eps| **eps > POOR_EPS_RMS).count();
-    let worst = errors.iter().copied().fold(0.0, f64::max);
-    (count > 0).then(|| (count, percent_or_lost(worst)))
-}
-
 /// Doubts about a test with the declared actuators, from its errors on rigs drawn around them.
 fn on_a_drawn_rig(drawn: &[f64]) -> Option<String> {
-    poor(drawn).map(|(count, worst)| {
+    soundness::poor(drawn).map(|(count, worst)| {
         format!(
             "on {count} of {} rigs that differ from the declared actuators by their spread the planned motion has an error above {}, at worst \
              {worst}: the test file leaves out what the rig's are ([plant.coupled.actuators])",

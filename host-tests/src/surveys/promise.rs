@@ -56,8 +56,7 @@ impl SurveyPromise {
             0 if over <= 0.0 => "reached".to_owned(),
             0 if self.of_them_amb == 0 => format!("missed by {over:.1} points"),
             0 => format!(
-                "missed by {over:.1} points: {} of them have `amb`, which is doubtful with its published gains beyond the motion \
-                 that these are for",
+                "missed by {over:.1} points: {} of them have `amb`, which learns from the noise",
                 self.of_them_amb
             ),
             wrong => format!("missed: {wrong} tests ran away after a yes"),
