@@ -93,6 +93,27 @@ pub enum Pace {
 /// Call [`OuterLoop::step`] once per control period with the sample taken while the last command was in force; it
 /// returns the command for the next. It does no I/O, never waits, and takes the same path in every call of the same
 /// kind; the caller checks it against its period and reports an overrun as [`Fault::DeadlineMissed`].
+///
+/// # Example
+/// The first fault is latched: the command stands, and the permission to move is withdrawn until somebody clears it.
+///
+/// ```
+/// use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample};
+///
+/// let config = Config::shear_frame([1000.0], [158e3], [0.02]);
+/// let mut outer = OuterLoop::<1>::new(Design::new(&config)?);
+/// let (mut sample, ground) = (Sample::new([0.0], [0.0]), GroundMotion::none());
+/// assert!(outer.handle(Event::Arm).is_err(), "nobody knows yet where the actuator is");
+/// while outer.mode() != Mode::Armed {
+///     outer.step(&sample, &ground);
+///     let _ = outer.handle(Event::Arm);
+/// }
+/// sample.fault = Some(Fault::DeadlineMissed);
+/// assert!(!outer.step(&sample, &ground).permit);
+/// assert_eq!(outer.trip().map(|trip| trip.fault), Some(Fault::DeadlineMissed));
+/// assert_eq!(outer.handle(Event::Clear), Ok(Mode::Idle));
+/// # Ok::<(), outerloop_core::Refusal>(())
+/// ```
 // Field order matters: what every step touches comes before the long arrays, within reach of one instruction; what
 // only some compensations use comes after them.
 #[derive(Clone, Debug)]

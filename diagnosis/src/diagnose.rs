@@ -52,6 +52,31 @@ pub struct Diagnosis {
 ///
 /// # Errors
 /// Data or a model that cannot be judged, described in one sentence; see [`Recording::check`] and [`Model::check`].
+///
+/// # Example
+/// A force 11 % below the declared one: the load cell's gain, or the specimen? One motion does not tell, and the answer says so.
+/// The crate's first page has an example with one answer.
+///
+/// ```
+/// use diagnosis::{Declared, Model, Recording, SpecimenModel, Verdict, diagnose};
+///
+/// let record = |hz: f64| {
+///     let time_s: Vec<f64> = (0..8000).map(|i| f64::from(i) / 500.0).collect();
+///     let swells = |t: f64| (0.2243 * (t - 2.0).max(0.0)).sin().powi(2);
+///     let mm: Vec<f64> = time_s.iter().map(|t| 10.0 * swells(*t) * (6.283 * hz * t).sin()).collect();
+///     // 140 N/mm, read in steps of 5 N.
+///     let force_n = mm.iter().map(|mm| (28.0 * mm).round() * 5.0).collect();
+///     let (name, displacement_mm, force_n) = (format!("{hz} Hz"), Some(mm), Some(force_n));
+///     Recording { name, time_s, displacement_mm, force_n, ..Recording::default() }
+/// };
+/// let stiffness_n_per_mm = Some(Declared { value: 158.0, tolerance: 1.0 });
+/// let specimen = Some(SpecimenModel { stiffness_n_per_mm, ..SpecimenModel::default() });
+/// let model = Model { specimen, ..Model::default() };
+/// let answer = diagnose(&model, &[record(0.7)], &[record(0.9)], &[])?.channels.remove(0);
+/// assert_eq!(answer.verdict, Verdict::Ambiguous);
+/// assert!(answer.members.len() > 1 && answer.error_after.test_rms < 2.0, "{:?}", answer.notes);
+/// # Ok::<(), diagnosis::Refusal>(())
+/// ```
 pub fn diagnose(
     model: &Model,
     train: &[Recording],

@@ -7,6 +7,7 @@
 //! by saving and loading a snapshot.
 
 use crate::flash::Mapped;
+use crate::registers::MPU_CTRL;
 use rigless::emulator::{Error, Processor, Queued};
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
@@ -15,8 +16,7 @@ use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Control register of the memory protection; `ENABLE` is the bit that switches it on.
-const MPU_CTRL: u64 = 0xe000_ed94;
+/// The bit of [`MPU_CTRL`] that switches the memory protection on.
 const ENABLE: u64 = 1;
 
 /// Addresses of the image.

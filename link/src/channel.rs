@@ -120,6 +120,14 @@ impl Calibration {
         *self != Self::placeholder(codes)
     }
 
+    /// Displacement, m, and force, N, from the codes of their sensors.
+    pub fn readings(&self, [displacement, force]: [u16; 2]) -> [f32; 2] {
+        [
+            self.displacement.quantity(displacement),
+            self.force.quantity(force),
+        ]
+    }
+
     /// The calibration's number: the check sum of its bytes. Two calibrations with one number are the same.
     pub fn number(&self) -> u32 {
         checksum(self.to_bytes())

@@ -190,7 +190,7 @@ impl<P: Port> BoardBench<P> {
             operator: &self.operator,
             wanted: test.steps,
             steps: Steps::default(),
-            phase: Phase::Running,
+            told: None,
         };
         running.run(observer, began)
     }
@@ -212,16 +212,6 @@ fn points<'a, const N: usize, R: Rig<N>>(
         )));
     }
     Ok(points)
-}
-
-/// What a started test waits for.
-enum Phase {
-    /// The end of its steps.
-    Running,
-    /// Somebody to resume it: the board's button has held it.
-    Held,
-    /// Its end, of which it was told.
-    Ending(Told),
 }
 
 /// Why a test was told to end.
@@ -272,7 +262,8 @@ struct Test<'a, 'b, P, const N: usize, R: Rig<N>> {
     /// Control steps of the whole test.
     wanted: usize,
     steps: Steps,
-    phase: Phase,
+    /// Why it was told to end, once it was.
+    told: Option<Told>,
 }
 
 impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
@@ -328,7 +319,9 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         if self.in_force.mirror().differs() && !self.is_ending() && mode.integrates() {
             self.end(Told::Differs)?;
         }
-        self.hold_or_go_on(mode)?;
+        if !self.is_ending() {
+            self.hold_or_go_on()?;
+        }
         Ok(None)
     }
 
@@ -357,7 +350,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
     }
 
     fn is_ending(&self) -> bool {
-        matches!(self.phase, Phase::Ending(_))
+        self.told.is_some()
     }
 
     /// Tells the board to end the test, once.
@@ -365,7 +358,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         if self.is_ending() {
             return Ok(());
         }
-        self.phase = Phase::Ending(why);
+        self.told = Some(why);
         let how = if why == Told::Done {
             Event::Finish
         } else {
@@ -375,19 +368,8 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
     }
 
     /// Reports once that the board's button holds the test, and resumes it when somebody agrees.
-    fn hold_or_go_on(&mut self, mode: Mode) -> Result<(), Failure> {
-        match (&self.phase, mode == Mode::Holding) {
-            (Phase::Ending(_), _) | (Phase::Running, false) | (Phase::Held, true) => {}
-            (Phase::Held, false) => self.phase = Phase::Running,
-            (Phase::Running, true) => {
-                self.phase = Phase::Held;
-                self.operator.ask_to_go_on();
-            }
-        }
-        if !matches!(self.phase, Phase::Held) || !self.operator.is_asked() {
-            return Ok(());
-        }
-        match self.operator.agrees() {
+    fn hold_or_go_on(&mut self) -> Result<(), Failure> {
+        match self.in_force.is_to_go_on(self.operator) {
             Ok(true) => self.in_force.go_on(self.board, self.operator)?,
             Ok(false) => {}
             Err(gone) => {
@@ -428,10 +410,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             tick: 0,
         };
         let trip = (ended == Mode::Tripped).then(|| of_board.unwrap_or_else(seen));
-        let told = match self.phase {
-            Phase::Ending(why) => Some(why),
-            Phase::Running | Phase::Held => None,
-        };
+        let told = self.told;
         let lost = lost.or_else(|| (told == Some(Told::Differs)).then(|| DIFFERS.to_owned()));
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);

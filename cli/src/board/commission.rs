@@ -323,10 +323,9 @@ impl SingleActuator {
         let mut record = Record::<1>::EMPTY;
         (record.tick, record.flags) = (tick, step.flags);
         (record.command_m, record.sent_m) = ([step.command_m], [step.command_m]);
-        let [displacement, force] = step.codes(self.actuator).unwrap_or_default();
+        let codes = step.codes(self.actuator).unwrap_or_default();
         if let Some(lines) = self.identity.calibrations().nth(self.actuator) {
-            record.displacement_m = [lines.displacement.quantity(displacement)];
-            record.force_n = [lines.force.quantity(force)];
+            [record.displacement_m, record.force_n] = lines.readings(codes).map(|x| [x]);
         }
         record
     }

@@ -39,6 +39,8 @@ pub struct ConfiguredTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     ticks: Ticks,
     /// Steps that the connection had lost before the test came into force.
     lost_before: u64,
+    /// The board's button holds the test, and somebody has been told.
+    held: bool,
     /// Further inputs that the board records during the test.
     further: Option<FurtherInputs>,
     /// The latest step. Its record is computed when the next one has come.
@@ -62,6 +64,7 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             mode: Mode::Idle,
             command_m: f32::NAN,
             fault: None,
+            held: false,
             steps: 0,
             ticks: Ticks::new(),
         }
@@ -350,6 +353,18 @@ impl<'a, const N: usize, R: Rig<N>> ConfiguredTest<'a, N, R> {
             self.until_still(board)?;
         }
         started
+    }
+
+    /// Says once that the board's button holds the test; true if somebody who can be asked then agrees to resume it.
+    ///
+    /// # Errors
+    /// As [`Operator::agrees`].
+    pub fn is_to_go_on(&mut self, operator: &Operator) -> Result<bool, Failure> {
+        let holds = self.mode == Mode::Holding;
+        if !std::mem::replace(&mut self.held, holds) && holds {
+            operator.ask_to_go_on();
+        }
+        Ok(holds && operator.is_asked() && operator.agrees()?)
     }
 
     /// Resumes after a hold. A board whose button is still pressed refuses, and the person is asked again.

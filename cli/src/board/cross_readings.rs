@@ -50,10 +50,10 @@ impl CrossReadings {
     pub fn add_step(&mut self, identity: &Identity, step: &StepReport) {
         self.command_m.push(f64::from(step.command_m));
         for (actuator, lines) in identity.calibrations().enumerate() {
-            let [displacement, force] = step.codes(actuator).unwrap_or_default();
-            self.displacement_m[actuator]
-                .push(f64::from(lines.displacement.quantity(displacement)));
-            self.force_n[actuator].push(f64::from(lines.force.quantity(force)));
+            let codes = step.codes(actuator).unwrap_or_default();
+            let [displacement_m, force_n] = lines.readings(codes).map(f64::from);
+            self.displacement_m[actuator].push(displacement_m);
+            self.force_n[actuator].push(force_n);
         }
     }
 

@@ -276,12 +276,9 @@ impl<'a, const N: usize, R: Rig<N>> Mirror<'a, N, R> {
     /// Displacements, m, and forces, N, of a step; zero where there is no actuator.
     fn read(&self, report: &StepReport) -> ([f32; N], [f32; N]) {
         let (mut displacement_m, mut force_n) = ([0.0; N], [0.0; N]);
-        let places = displacement_m.iter_mut().zip(&mut force_n);
-        for (actuator, ((place_m, place_n), (lines, _))) in places.zip(&self.actuators).enumerate()
-        {
-            let [displacement, force] = report.codes(actuator).unwrap_or_default();
-            *place_m = lines.displacement.quantity(displacement);
-            *place_n = lines.force.quantity(force);
+        for (actuator, (lines, _)) in self.actuators.iter().enumerate().take(N) {
+            let codes = report.codes(actuator).unwrap_or_default();
+            [displacement_m[actuator], force_n[actuator]] = lines.readings(codes);
         }
         (displacement_m, force_n)
     }

@@ -53,11 +53,7 @@ impl Standing {
     pub fn of(identity: &Identity, coordinates: usize, step: &StepReport, config: &Config) -> Self {
         let each = identity.calibrations().enumerate().take(coordinates);
         let read = each.filter_map(|(actuator, lines)| {
-            let [displacement, force] = step.codes(actuator)?;
-            Some([
-                f64::from(lines.displacement.quantity(displacement)),
-                f64::from(lines.force.quantity(force)),
-            ])
+            Some(lines.readings(step.codes(actuator)?).map(f64::from))
         });
         Self::by(read, config, identity.actuators() == 1)
     }

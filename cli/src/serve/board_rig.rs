@@ -109,8 +109,6 @@ struct Serving<const N: usize, R: Rig<N>> {
     identity: Identity,
     /// Records that were received but not passed on yet.
     come: VecDeque<Record<N>>,
-    /// The board's button holds the test, and the person has been asked.
-    held: bool,
     lost: Option<String>,
     trip: Option<Fault>,
 }
@@ -200,9 +198,8 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         (record.tick, record.flags) = (tick, step.flags);
         (record.command_m[0], record.sent_m[0]) = (step.command_m, step.command_m);
         for (actuator, lines) in self.calibrated.iter().enumerate().take(N) {
-            let [displacement, force] = step.codes(actuator).unwrap_or_default();
-            record.displacement_m[actuator] = lines.displacement.quantity(displacement);
-            record.force_n[actuator] = lines.force.quantity(force);
+            let codes = step.codes(actuator).unwrap_or_default();
+            [record.displacement_m[actuator], record.force_n[actuator]] = lines.readings(codes);
         }
         Some(ServedStep {
             record,
@@ -223,22 +220,14 @@ impl<const N: usize, R: Rig<N>> BoardRig<N, R> {
         else {
             return Ok(());
         };
-        let holds = test.in_force.mode() == Mode::Holding;
-        if holds && !std::mem::replace(&mut test.held, holds) {
-            operator.ask_to_go_on();
-        }
-        test.held = holds;
-        if holds && operator.is_asked() {
-            let went_on = operator.agrees().and_then(|agreed| match agreed {
-                true => test.in_force.go_on(board, operator),
-                false => Ok(()),
-            });
-            went_on.map_err(|e| {
-                test.lost = Some(e.to_string());
-                Stop::Lost(e.to_string())
-            })?;
-        }
-        Ok(())
+        let went_on = match test.in_force.is_to_go_on(operator) {
+            Ok(true) => test.in_force.go_on(board, operator),
+            waits => waits.map(drop),
+        };
+        went_on.map_err(|e| {
+            test.lost = Some(e.to_string());
+            Stop::Lost(e.to_string())
+        })
     }
 }
 
@@ -272,7 +261,6 @@ impl<const N: usize, R: Rig<N>> ServedRig<N> for BoardRig<N, R> {
             in_force,
             identity,
             come: VecDeque::new(),
-            held: false,
             lost: None,
             trip: None,
         });

@@ -147,17 +147,14 @@ pub fn convert(session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::registers::{RCC_AHB1ENR, RCC_APB1ENR};
     use crate::registers::{TIM4_CCMR1, TIM4_CR1, TIM4_CR2, TIM4_SMCR};
-
-    /// Clock enables of ports and timers.
-    const AHB1ENR: u64 = 0x4002_3830;
-    const APB1ENR: u64 = 0x4002_3840;
 
     fn registers(dac: u64) -> Registers {
         let mut r = Registers::default();
         for (address, value) in [
-            (AHB1ENR, 1),
-            (APB1ENR, 1 << 29 | 1 << 2),
+            (RCC_AHB1ENR, 1),
+            (RCC_APB1ENR, 1 << 29 | 1 << 2),
             (TIM4_SMCR, 1 << 4 | 6),
             (TIM4_CR1, 1 << 3),
             (TIM4_CCMR1, 7 << 4),

@@ -1,7 +1,8 @@
 //! Where a bit flips.
 
 use crate::image::Firmware;
-use crate::registers::KEPT;
+use crate::registers::{KEPT, MPU_CTRL, PWR_CR, TIM2_ARR, TIM2_CCR1, TIM2_CCR3};
+use crate::registers::{RCC_AHB1ENR, RCC_APB1ENR, RCC_APB2ENR};
 use rand_core::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::ops::Range;
@@ -114,9 +115,9 @@ const FURTHER: [u64; 20] = [
     0x4002_3800, // RCC_CR
     0x4002_3804, // RCC_PLLCFGR
     0x4002_3808, // RCC_CFGR
-    0x4002_3830, // RCC_AHB1ENR
-    0x4002_3840, // RCC_APB1ENR
-    0x4002_3844, // RCC_APB2ENR
+    RCC_AHB1ENR,
+    RCC_APB1ENR,
+    RCC_APB2ENR,
     0x4002_3c00, // FLASH_ACR
     0x4000_4808, // USART3_BRR
     0x4000_480c, // USART3_CR1
@@ -148,7 +149,7 @@ const SYSTEM: [u64; 16] = [
     0xe000_ed20,
     0xe000_ed24,
     0xe000_ed88,
-    0xe000_ed94,
+    MPU_CTRL,
     0xe000_ed9c,
     0xe000_ef34,
 ];
@@ -157,9 +158,9 @@ const SYSTEM: [u64; 16] = [
 fn bits(register: u64) -> u32 {
     match register {
         // ARR and CCR of TIM2 have 32.
-        0x4000_002c | 0x4000_0034 | 0x4000_003c => 32,
+        TIM2_ARR | TIM2_CCR1 | TIM2_CCR3 => 32,
         0x4000_0000..0x4000_5000 | 0x4000_7400..0x4000_7800 | 0x4001_3000..0x4001_3400 => 16,
-        0x4000_7000 => 16,
+        PWR_CR => 16,
         0x4001_3c00..0x4001_4000 => 23,
         0x4002_0014..0x4002_2000 if register & 0x3ff == 0x14 => 16,
         _ => 32,

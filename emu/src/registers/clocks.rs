@@ -81,19 +81,16 @@ pub(super) fn is_clocked(address: u64, read: impl Fn(u64) -> u64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::APB2RSTR;
     use crate::registers::{ADC1_CR2, ADC2_CR2, EXTI_IMR, GPIOE_MODER, Registers, TIM2_ARR};
-
-    const AHB1ENR: u64 = 0x4002_3830;
-    const APB1ENR: u64 = 0x4002_3840;
-    const APB2ENR: u64 = 0x4002_3844;
-    const APB2RSTR: u64 = 0x4002_3824;
+    use crate::registers::{RCC_AHB1ENR, RCC_APB1ENR, RCC_APB2ENR};
 
     #[test]
     fn a_peripheral_without_its_clock_takes_no_write() {
         for (address, enable, clock) in [
-            (TIM2_ARR, APB1ENR, 1),
-            (ADC1_CR2, APB2ENR, 1 << 8),
-            (GPIOE_MODER, AHB1ENR, 1 << 4),
+            (TIM2_ARR, RCC_APB1ENR, 1),
+            (ADC1_CR2, RCC_APB2ENR, 1 << 8),
+            (GPIOE_MODER, RCC_AHB1ENR, 1 << 4),
         ] {
             let mut registers = Registers::default();
             registers.write(address, 7);
@@ -114,8 +111,8 @@ mod tests {
     #[test]
     fn the_one_reset_of_the_converters_puts_all_of_them_back_and_nothing_else() {
         let mut registers = Registers::default();
-        registers.write(APB2ENR, 3 << 8);
-        registers.write(APB1ENR, 1);
+        registers.write(RCC_APB2ENR, 3 << 8);
+        registers.write(RCC_APB1ENR, 1);
         for address in [ADC1_CR2, ADC2_CR2, TIM2_ARR] {
             registers.write(address, 5);
         }

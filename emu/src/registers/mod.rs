@@ -40,6 +40,8 @@ pub const ADC_CCR: u64 = 0x4001_2304;
 pub const EXTI_IMR: u64 = 0x4001_3c00;
 pub const EXTI_RTSR: u64 = 0x4001_3c08;
 pub const RCC_AHB1ENR: u64 = 0x4002_3830;
+pub const RCC_APB1ENR: u64 = 0x4002_3840;
+pub const RCC_APB2ENR: u64 = 0x4002_3844;
 pub const GPIOA_MODER: u64 = 0x4002_0000;
 pub const GPIOC_MODER: u64 = 0x4002_0800;
 pub const GPIOE_MODER: u64 = 0x4002_1000;
@@ -64,6 +66,8 @@ pub const GPIOD_AFRH: u64 = 0x4002_0c24;
 pub const GPIOF_MODER: u64 = 0x4002_1400;
 pub const GPIOF_BSRR: u64 = 0x4002_1418;
 pub const DBGMCU_APB1_FZ: u64 = 0xe004_2008;
+/// Of the processor, not kept: control of the memory protection.
+pub(crate) const MPU_CTRL: u64 = 0xe000_ed94;
 
 /// DBG_IWDG_STOP: the watchdog stops while a debugger halts the core.
 const WATCHDOG_STANDS: u64 = 1 << 12;

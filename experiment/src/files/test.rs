@@ -19,6 +19,21 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// A whole test file.
+///
+/// ```
+/// use experiment::files::test::TestFile;
+/// use std::path::Path;
+///
+/// let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+///             [plant.actuator]\nkind = 'delay'\ndelay_ms = 4\n";
+/// let parse = |set: &[String]| TestFile::parse(text, "frame.toml", Path::new(""), set);
+/// let test = parse(&["compensation.kind='tangent'".into()])?;
+/// assert_eq!(test.config.compensation.kind.name(), "tangent");
+/// // A mistake is one sentence, with the file and what was set from outside.
+/// let mistake = parse(&["plant.actuator.delay_ms=-4".into()]).unwrap_err().to_string();
+/// assert!(mistake.starts_with("frame.toml with --set plant.actuator.delay_ms=-4: "), "{mistake}");
+/// # Ok::<(), experiment::failure::Failure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TestFile {
     /// What core is configured with.
