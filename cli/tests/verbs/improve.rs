@@ -32,6 +32,73 @@ fn effect(name: &str, channel: &str, parameters: &str) -> String {
     rig("", &text)
 }
 
+/// A finding gives one figure, whichever way it reaches the loop: by a model file, by `[declared]`, by `[rig]`. What no loop can
+/// take out is said, and changes nothing.
+#[test]
+fn a_finding_has_one_figure_by_a_model_by_what_is_declared_and_by_the_rig() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |test: &str, model: Option<&str>, how: &[&str]| {
+        let [at, beside] = ["test.toml", "model.toml"].map(|name| folder.path().join(name));
+        std::fs::write(&at, test).unwrap();
+        let mut run = Command::new(env!("CARGO_BIN_EXE_outerloop"));
+        run.arg("run").arg(&at).args(["--duration", "12"]).args(how);
+        if let Some(model) = model {
+            std::fs::write(&beside, model).unwrap();
+            run.arg("--model").arg(&beside);
+        }
+        let output = run.output().unwrap();
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap())
+    };
+    let eps_rms = |test: &str, model: Option<&str>| {
+        let [answer, said] = run(test, model, &["--json"]);
+        let answer: Value = serde_json::from_str(&answer).unwrap_or_else(|e| panic!("{e}: {said}"));
+        answer["eps_rms"].as_f64().unwrap()
+    };
+    let specimen = "stiffness_n_per_mm = { value = 158.0, tolerance = 3.0 }";
+    let bearing = "force_n = 300\npresliding_mm = 0.2";
+    for (in_rig, table, known, in_loop) in [
+        (
+            effect("coulomb_friction", "specimen", bearing),
+            "specimen",
+            format!("{specimen}\n[[specimen.effects]]\nname = 'coulomb_friction'\n{bearing}"),
+            "bearing_friction_n = 300\nbearing_presliding_m = 0.2e-3",
+        ),
+        (
+            effect("gain_error", "specimen", "error = 0.05"),
+            "specimen",
+            format!("{specimen}\n[[specimen.effects]]\nname = 'gain_error'\nerror = 0.05"),
+            "force_gain = 1.05",
+        ),
+        (
+            effect("gain_error", "actuator", "error = 0.05"),
+            "actuator",
+            "gain = { value = 1.05, tolerance = 0.01 }\ndelay_ms = { value = 4.0, tolerance = 0.2 }"
+                .into(),
+            "command_gain = 1.05",
+        ),
+    ] {
+        let declared = format!("[{table}]\n{known}").replace('[', "[declared.");
+        let declared = declared.replace("[declared.[declared.", "[[declared.");
+        let without = eps_rms(&in_rig, None);
+        let by_model = eps_rms(&in_rig, Some(&format!("[{table}]\n{known}")));
+        let by_declared = eps_rms(&format!("{in_rig}\n{declared}"), None);
+        let by_rig = eps_rms(&format!("{in_rig}\n[rig]\n{in_loop}"), None);
+        assert_eq!(by_model, by_declared, "{in_loop}");
+        assert_eq!(by_model, by_rig, "{in_loop}");
+        assert!(by_model < 0.5 * without, "{in_loop}: {by_model} of {without}");
+    }
+    let plain = rig("", "");
+    let damping = format!(
+        "[specimen]\n{specimen}\n[[specimen.effects]]\nname = 'viscous_damping'\ndamping_n_s_per_mm = 0.5"
+    );
+    assert_eq!(eps_rms(&plain, Some(&damping)), eps_rms(&plain, None));
+    let said = run(&plain, Some(&damping), &[]).concat();
+    assert!(
+        said.contains("viscous_damping is not taken out: "),
+        "{said}"
+    );
+}
+
 #[test]
 fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
     // Causes in the true motion, the reading, the force and the timing.
