@@ -2,7 +2,7 @@
 
 use super::beam::{self, Beam, Width};
 use super::gram::{Grams, Tie};
-use super::score::{BLOCKS, LEAVES_NOISE, Score};
+use super::score::{BLOCKS, Score};
 use crate::numbers::linear::Bound;
 use plant::Family;
 
@@ -14,6 +14,8 @@ pub const MOST_TERMS: usize = 4;
 /// A set of laws, with its residual squares on each block when fitted to all blocks.
 pub type Scored = beam::Scored<[f64; BLOCKS]>;
 
+/// Structure of a block that a model misses by far, as a fraction of the noise variance.
+const FAR_OFF: f64 = 100.0;
 /// The worst block's structure over what a search by squares counts as nothing.
 const OF_THE_WORST: f64 = 5.0;
 
@@ -121,11 +123,11 @@ impl Search<'_> {
             .map_or_else(Vec::new, |(empty, beam)| beam.run(empty))
     }
 
-    /// Runs it by plain least squares, if some block of the best that it found has more than noise. The score gives up a block
+    /// Runs it by plain least squares, if the best that it found is far off in some block. The score gives up a block
     /// that no law on the grid comes near, as after a yield displacement that is a little off.
     pub fn run_by_squares(&self, found: &[Scored]) -> Vec<Scored> {
         let worst = found.first().map_or(0.0, |s| s.evidence.worst());
-        if worst < LEAVES_NOISE {
+        if worst < FAR_OFF {
             return Vec::new();
         }
         let score = &self.score.coarser(worst / OF_THE_WORST);
