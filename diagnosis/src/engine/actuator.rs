@@ -404,7 +404,7 @@ impl<'a, 'b> Search<'a, 'b> {
             let lost = [PartKind::Play, PartKind::Friction];
             let alike = |b: &&Part| b.kind.is_like(part.kind);
             let like = best.iter().filter(alike).count();
-            let both = like == 1 && lost.into_iter().all(one_is);
+            let both = like == 1 && lost.contains(&part.kind) && lost.into_iter().all(one_is);
             if alone || like == 0 || both {
                 best.push(part);
             }

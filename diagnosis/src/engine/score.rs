@@ -192,6 +192,19 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_coarser_score_weighs_blocks_alike_and_prices_less() {
+        let score = Score::new(1.0, [100.0; BLOCKS]);
+        let coarse = score.coarser(400.0);
+        let mut left = [100.0; BLOCKS];
+        left[0] = 100.0 * 401.0;
+        let ratio = |s: &Score| s.weights(&left)[1] / s.weights(&left)[0];
+        assert!(ratio(&score) > 5000.0 && (ratio(&coarse) - 2.0).abs() < 1e-9);
+        assert!(coarse.of_prices() < score.of_prices());
+        assert!(score.evidence(&left, 0.0).is_in_few_blocks());
+        assert!(!score.evidence(&[40_100.0; BLOCKS], 0.0).is_in_few_blocks());
+    }
+
+    #[test]
     fn twice_the_squares_are_five_and_a_half_nats_and_less_than_the_noise_hides_is_nothing() {
         let score = Score::new(1.0, [100.0; BLOCKS]);
         let of = |s: f64| score.evidence(&[100.0 * (1.0 + s); BLOCKS], 0.0);

@@ -1,5 +1,6 @@
 //! An element in a model file.
 
+use crate::laws::specimen::BEGINS;
 use crate::laws::specimen::element::{Element, Law};
 use crate::laws::specimen::track::{MotionScales, Track};
 use crate::numbers::signals::Signals;
@@ -77,6 +78,13 @@ impl SavedElement {
         if let Some(hz) = self.cutoff_hz.filter(|hz| !above(*hz)) {
             return Err(Refusal::new(format!(
                 "{place}: cutoff_hz = {hz} is refused: accepted is a finite number above 0"
+            )));
+        }
+        if self.law == Law::Distributed && !BEGINS.contains(&self.shape[1]) {
+            return Err(Refusal::new(format!(
+                "{place}: shape = {:?} is refused: where its sliders begin, the second number, is from {} up to {} of the largest \
+                 yield displacement",
+                self.shape, BEGINS.start, BEGINS.end
             )));
         }
         if finite && first && above(self.reference_mm) && above(self.reference_mm_per_s) {

@@ -274,12 +274,10 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) -> bool {
     let count = by_design().count() as f64;
     let settled = Figure::share(count, rigs.len());
     println!("{}", aims::table(&[(&aims::SETTLED, &[settled])]));
-    let chance = 2.0 * (AIM * (1.0 - AIM) * rigs.len() as f64).sqrt();
-    count >= AIM * rigs.len() as f64 - chance
+    let (all, aim) = (rigs.len() as f64, aims::SHARE_SETTLED);
+    let chance = 2.0 * (aim * (1.0 - aim) * all).sqrt();
+    all > 0.0 && count >= aim * all - chance
 }
-
-/// Fraction of the rigs that designed tests should settle.
-const AIM: f64 = 0.7;
 
 fn one(seed: u64) -> Option<Played> {
     let field = set_field(seed);

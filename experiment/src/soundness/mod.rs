@@ -342,14 +342,20 @@ fn of_learnt_noise(
     if config.compensation.kind.predictor != Prediction::Amb {
         return Ok(None);
     }
-    if e.test.plant.sensors.noise_rms() != [0.0; 2] {
+    // It learns from the measured displacement; hum is the same in every run.
+    let sensors = &e.test.plant.sensors;
+    if sensors
+        .displacement_noise_mm
+        .max(sensors.displacement_coloured_noise_mm)
+        > 0.0
+    {
         return under_other_noise(e, ideal, seed);
     }
     let untried = amb_gains_of_another_motion(config, own.peak_displacement_m);
     Ok(untried.then(|| {
         format!(
             "the planned motion has an error of {} rms, but `amb` has the gains published for motions of {:.0} mm, this one is \
-             of {:.0} mm, and plant.sensors has no noise: with noise such a test may run away; state plant.sensors, or \
+             of {:.0} mm, and plant.sensors has no displacement noise: with noise such a test may run away; state it, or \
              compensation.amb.gains",
             percent(own.eps_rms),
             PUBLISHED_AMB_PEAK_M * 1e3,

@@ -72,6 +72,10 @@ fn main() -> ExitCode {
         );
     }
     println!("\n{}", aimed(&kinds, &aims::seconds(seconds)));
+    if arguments.folder.is_some() && kinds.is_empty() {
+        eprintln!("outside-records: the folder's cases.toml has no such case");
+        return ExitCode::FAILURE;
+    }
     let lost: Vec<String> = BOUNDS.iter().filter_map(|b| b.lost(&kinds)).collect();
     if only.is_empty() && !lost.is_empty() {
         eprintln!("outside-records: {}", lost.join("; "));

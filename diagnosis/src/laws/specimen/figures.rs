@@ -16,6 +16,9 @@ pub const GAINED: &str = "force_gained_n";
 pub const KNEE: &str = "knee_mm_per_s";
 /// The travel after which a force has worn off to 1/e.
 pub const WORN_TRAVEL: &str = "worn_travel_mm";
+/// First and last yield displacement of sliders that yield one after the other.
+const YIELD_FROM: &str = "yield_from_mm";
+const YIELD_TO: &str = "yield_to_mm";
 /// Additional stiffness of a spring beyond a place.
 pub const STIFFNESS_BEYOND: &str = "stiffness_beyond_n_per_mm";
 /// Reduction of a force around one place.
@@ -216,6 +219,11 @@ fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<Na
     }
     all.extend(changes(part, fit));
     all.insert(all.len().min(1), ("yield_mm", "mm", first.yields_at()));
+    if first.law == Law::Distributed {
+        let [to, begins, ..] = first.shape;
+        all.push((YIELD_FROM, "mm", to * (0.2 + 0.8 * begins)));
+        all.push((YIELD_TO, "mm", to));
+    }
     all
 }
 
@@ -407,6 +415,11 @@ mod tests {
                 Element::new(Law::Beyond, [5.0, 1.0, 0.0, 0.02]),
                 Effect::AsymmetricStiffness,
                 ("damping_beyond_n_s_per_mm", "N s/mm", -0.8),
+            ),
+            (
+                Element::new(Law::Distributed, [3.0, 0.7]),
+                Effect::BilinearHysteresis,
+                (YIELD_FROM, "mm", 3.0 * (0.2 + 0.8 * 0.7)),
             ),
             (
                 Element::new(Law::Recentring, [3.0, 0.5]),

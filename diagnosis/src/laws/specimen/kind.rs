@@ -8,7 +8,7 @@ use crate::criteria::{
 };
 use plant::Effect;
 
-/// Smallest yield displacement over the largest beyond which sliders yield together.
+/// Where sliders begin, as a share of the largest yield displacement, beyond which they yield together.
 const AT_ONCE: f64 = 0.5;
 
 impl Element {

@@ -17,8 +17,8 @@ pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
     sum
 }
 
-/// Five sliders of equal force whose yield displacements are evenly spaced from `begins` of `most` up to it (Iwan's parallel
-/// elements, J. Appl. Mech. 33, 1966).
+/// Five sliders of equal force whose yield displacements are evenly spaced between `begins` of `most`, where there is none, and
+/// `most` (Iwan's parallel elements, J. Appl. Mech. 33, 1966).
 pub fn distributed(x: &[f64], most: f64, begins: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for i in 1..=5 {

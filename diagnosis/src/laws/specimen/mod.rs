@@ -13,5 +13,5 @@ pub(crate) mod track;
 
 pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 pub use fit::SpecimenFit;
-pub(crate) use shape::Scale;
+pub(crate) use shape::{BEGINS, Scale};
 pub use track::DECLARED;

@@ -13,6 +13,10 @@ pub enum Scale {
     Straight,
 }
 
+/// Where distributed sliders may begin, as a share of their largest yield displacement; the first yields a fifth of the way
+/// further.
+pub const BEGINS: std::ops::Range<f64> = -0.2..0.9;
+
 /// Half ranges over which the growth of a stiffening loop is judged.
 const MOST_GROWTH: f64 = 1.0;
 
@@ -69,7 +73,7 @@ impl Element {
                     && grows > -4.0
             }
             // Longer yields would be springs of unknown state.
-            Law::Distributed => (5e-3 * x..=0.97 * x).contains(&p) && (0.0..0.9).contains(&q),
+            Law::Distributed => (5e-3 * x..=0.97 * x).contains(&p) && BEGINS.contains(&q),
             Law::InSeries => {
                 (1e-3 * x..=0.6 * x).contains(&p)
                     && (1e-3 * sizes.v..=3.0 * sizes.v).contains(&q)
