@@ -52,7 +52,11 @@ fn amb_is_judged_under_noises_other_than_its_own() {
     let drawn = verdicts::draw(1000, 21);
     let tests = [521, 548, 68].map(|i: usize| drawn[i].clone());
     let cases = verdicts::run(&tests, Known::Rig, || ()).expect("tests that can be judged");
-    let said = ["ran to its end", "of 10 other noises", "has no noise"];
+    let said = [
+        "ran to its end",
+        "of 10 other noises",
+        "has no displacement noise",
+    ];
     for ((case, verdict), said) in cases.iter().zip([Stable, Doubtful, Doubtful]).zip(said) {
         assert!(case.compensation.name().ends_with("amb"));
         assert_eq!(case.truth, ActualOutcome::Sound);
