@@ -32,7 +32,7 @@ const NOISE_OF_SLOPES: f64 = 0.003;
 /// Smallest step between samples that has a slope, over the rms step.
 const LEAST_STEP: f64 = 0.05;
 /// A slope may miss the declared stiffness by this multiple of its tolerance, or this fraction of what the laws change,
-/// unless at a place or if they leave only noise: they are approximations.
+/// unless at a place or in contact: they are approximations.
 const ROOM: f64 = 2.0;
 const OF_THE_LAW: f64 = 0.1;
 /// Fraction of the slopes that is certainly in contact if there is a gap.
@@ -175,8 +175,11 @@ impl SpecimenData<'_> {
         }
         let Slopes { low, high, range } = self.slopes_of_freed(fit)?;
         let has_knee = fit.terms.iter().any(|t| self.is_knee(t));
-        let is_exact = fit.evidence.left_rms() < UNEXPLAINED;
-        let of_the_law = if has_knee || is_exact {
+        // In contact the slope is the spring's own, if nothing else bends and the fit leaves only noise.
+        let bends = has_one_of(fit, &[Family::Hysteresis, Family::Stiffness]);
+        let in_contact =
+            has_one_of(fit, &[Family::Gap]) && !bends && fit.evidence.left_rms() < UNEXPLAINED;
+        let of_the_law = if has_knee || in_contact {
             0.0
         } else {
             OF_THE_LAW * range
