@@ -163,4 +163,15 @@ fn no_more_names_are_false_than_their_q_says_on_two_thousand_rigs() {
             "{wrong} of {names} at {level}"
         );
     }
+    // As many members of sets are in the rig as their probabilities say, but for chance. A set's members are not independent.
+    let sets = all.iter().filter(|s| s.one_name).flat_map(|s| &s.open);
+    let [mut is, mut stated, mut scatter] = [0.0_f64; 3];
+    for &(p, in_rig) in sets {
+        is += f64::from(in_rig);
+        stated += p;
+        scatter += p * (1.0 - p);
+    }
+    println!("members of sets in the rig: {is} of {stated:.1} stated");
+    assert!(stated > 30.0, "too few sets: {stated}");
+    assert!(is > stated - 3.0 * scatter.sqrt(), "{is} of {stated}");
 }

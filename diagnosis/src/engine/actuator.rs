@@ -121,15 +121,6 @@ impl ActuatorModelFit {
     fn claims(&self) -> (Vec<Effect>, bool) {
         (self.names(), self.sags())
     }
-
-    /// True if its names are a proper subset of the other's and it is hardly worse.
-    fn does_as_well(&self, other: &Self) -> bool {
-        let (own, others) = (self.names(), other.names());
-        let part = !own.is_empty()
-            && own.iter().all(|n| others.contains(n))
-            && self.sags() <= other.sags();
-        part && own.len() < others.len() && self.evidence.score() > other.evidence.score() - LACKS
-    }
 }
 
 /// Training data of an actuator.
@@ -200,9 +191,9 @@ pub fn actuator(
             chosen.push(f.fit.model.clone());
         }
     }
-    // The nearest single causes are reported even if nothing is probable.
+    // The nearest single causes are reported even if nothing is probable, and a supply that sags is asked for in any case.
     let alone = all.iter().filter(|f| f.names().len() == 1).take(ALONE);
-    for f in alone {
+    for f in alone.chain(all.iter().find(|f| f.sags())) {
         if !claimed.contains(&f.claims()) {
             chosen.push(f.fit.model.clone());
         }
@@ -215,11 +206,21 @@ pub fn actuator(
         judged.filter_map(|m| judge.scored(&m, start)).collect();
     judged.push(declared.clone());
     judged.par_iter_mut().for_each(|f| judge.know_order(f));
-    let enough = judged.clone();
-    judged.retain(|f| !enough.iter().any(|e| e.does_as_well(f)));
     let values = channel.whole.declared_values();
     let candidates = judged.into_iter().flat_map(|f| candidates(f, values));
-    Some(Found::of(candidates.collect(), declared, averages.told))
+    let mut candidates: Vec<_> = candidates.collect();
+    let enough = candidates.clone();
+    candidates.retain(|c| !enough.iter().any(|e| does_as_well(e, c)));
+    Some(Found::of(candidates, declared, averages.told))
+}
+
+/// True if a model's names are a proper subset of the other's and it is hardly worse.
+fn does_as_well(model: &Candidate<ActuatorModelFit>, other: &Candidate<ActuatorModelFit>) -> bool {
+    let (own, others) = (&model.names, &other.names);
+    let part = !own.is_empty()
+        && own.iter().all(|n| others.contains(n))
+        && model.nameless <= other.nameless;
+    part && own.len() < others.len() && model.evidence.score() > other.evidence.score() - LACKS
 }
 
 /// A model under each of the names that its parts may have.

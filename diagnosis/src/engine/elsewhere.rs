@@ -29,7 +29,7 @@ impl SpecimenData<'_> {
         let own = |t: &Track| {
             let m = Motion::new(t.clone(), self.base);
             let answer = |fit: &SpecimenModelFit| {
-                let own = model_columns(&m, &self.rows, &fit.terms, &self.sizes, &fit.specimen());
+                let own = model_columns(&m, &self.rows, &fit.terms, &self.sizes, &fit.acts_on());
                 let mut y = vec![0.0; t.x.len()];
                 add_columns(&mut y, &own[DECLARED..], &fit.strengths.concat(), 1.0);
                 (own, y)

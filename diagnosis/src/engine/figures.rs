@@ -179,7 +179,10 @@ impl Figures<'_, '_> {
         let Some((_, effects)) = model.channel_mut(Channel::Specimen) else {
             return;
         };
-        for (term, strengths) in self.fit.terms.iter().zip(&self.fit.strengths) {
+        let mut terms: Vec<_> = self.fit.terms.iter().zip(&self.fit.strengths).collect();
+        // Those of a file act one after the other.
+        terms.sort_by_key(|(t, _)| self.data.rows[t.row].stage());
+        for (term, strengths) in terms {
             let Form::Effect(c) = self.data.rows[term.row].form else {
                 continue;
             };

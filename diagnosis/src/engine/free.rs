@@ -62,7 +62,7 @@ impl SpecimenData<'_> {
 
     /// The evidence for a model with the rival's columns added.
     pub fn beside_free(&self, fit: &SpecimenModelFit, free: &[Vec<f64>]) -> Option<Evidence> {
-        let mut columns = self.columns_on(&fit.terms, &fit.specimen());
+        let mut columns = self.columns_on(&fit.terms, &fit.acts_on());
         let mut bounds = self.bounds(&fit.terms);
         let own = columns.len();
         columns.extend(free.iter().cloned());

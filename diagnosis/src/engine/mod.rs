@@ -152,7 +152,8 @@ fn nameless(
     all
 }
 
-/// The leading models and `more` with refined shapes, and the best of them with one term less.
+/// The leading models and `more` with refined shapes, and the best of them with one term less, or with a range in place of a
+/// spring that softens.
 fn polished(
     data: &SpecimenData,
     atoms: &[search::Atom],
@@ -190,15 +191,16 @@ fn polished(
         .iter()
         .take(ASKED_FOR_LESS)
         .filter(|f| f.terms.len() > 1);
-    let fewer = leading.flat_map(|f| {
-        (0..f.terms.len()).map(|out| {
+    let others = leading.flat_map(|f| {
+        let fewer = (0..f.terms.len()).map(|out| {
             let mut terms = f.terms.clone();
             terms.remove(out);
             terms
-        })
+        });
+        fewer.chain(data.with_a_range(f))
     });
-    let fewer = all(fewer.collect());
-    fits.extend(fewer);
+    let others = all(others.collect());
+    fits.extend(others);
     Some(fits)
 }
 

@@ -56,14 +56,15 @@ impl Motion {
         self.declared.to_vec()
     }
 
-    /// A law's columns, from before the record on, for effects on a specimen of these parameters. A stage's column is
-    /// what it makes of that specimen's response, minus that response.
+    /// A law's columns, from before the record on, for effects on a specimen of these parameters and on the force of `others`
+    /// beside it. A stage's column is what it makes of that response, minus that response.
     pub fn columns(
         &self,
         row: &Row,
         shape: [f64; 4],
         sizes: &Sizes,
         on: &[f64; 4],
+        others: Option<&[f64]>,
     ) -> Vec<Vec<f64>> {
         match row.form {
             Form::Parameter(_) => Vec::new(),
@@ -74,10 +75,11 @@ impl Motion {
                     ..sizes.on(on).scales
                 };
                 let refitted;
-                let signals = if *on == self.acted_on {
+                let signals = if *on == self.acted_on && others.is_none() {
                     &self.signals
                 } else {
-                    let mut base = vec![0.0; self.track.x.len()];
+                    let mut base =
+                        others.map_or_else(|| vec![0.0; self.track.x.len()], <[f64]>::to_vec);
                     add_columns(&mut base, &self.declared, on, 1.0);
                     refitted = Signals {
                         base,

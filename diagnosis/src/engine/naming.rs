@@ -96,8 +96,8 @@ fn other_names(data: &SpecimenData, fit: &SpecimenModelFit, i: usize, keeps: f64
     };
     let mut all = Vec::from_iter(other(i));
     all.extend(match fit.names[i] {
-        // Damping and mass, which a clip would also limit, tell it from a spring that softens.
-        Effect::Saturation if has_only(0) => vec![Effect::Softening],
+        // Damping, mass and what else a clip would also limit tell it from a spring that softens.
+        Effect::Saturation if has_only(0) && data.is_alone(fit, i) => vec![Effect::Softening],
         // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
         Effect::ChannelSkew if late_s.is_some_and(|s| s > 0.0) && has_only(1) => {
             vec![Effect::MaxwellDamper]
@@ -244,12 +244,13 @@ impl SpecimenData<'_> {
     fn local_stiffness(&self, fit: &SpecimenModelFit) -> Vec<(f64, f64)> {
         let columns = self.stacked(Motion::declared);
         let x = &columns[0];
+        let on = fit.acts_on().declared;
         let mut force = vec![0.0; x.len()];
         add_scaled(&mut force, x, fit.declared[0]);
         for ((term, strengths), name) in fit.terms.iter().zip(&fit.strengths).zip(&fit.names) {
             if OF_A_SPRING.contains(&name.entry().family) {
                 let row = &self.rows[term.row];
-                let own = |m: &Motion| m.columns(row, term.shape, &self.sizes, &fit.specimen());
+                let own = |m: &Motion| m.columns(row, term.shape, &self.sizes, &on, None);
                 add_columns(&mut force, &self.stacked(own), strengths, 1.0);
             }
         }

@@ -2,10 +2,10 @@
 
 use super::bounded::Equations;
 use super::gram::judged;
-use super::row::{Form, unit};
+use super::row::{Form, Stage, unit};
 use super::score::{BLOCKS, NU, Score};
 use super::search::{DECLARED, price_of_many};
-use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
+use super::specimen::{ActsOn, SpecimenData, SpecimenModelFit, Term, late_s};
 use crate::numbers::linear::Bound;
 use crate::numbers::signals::{add_columns, difference};
 use plant::Effect;
@@ -14,6 +14,8 @@ use plant::Effect;
 const ROUNDS: usize = 6;
 /// Relative decrease of the cost that is not worth another round.
 const SETTLED: f64 = 2e-3;
+/// Number of fits in which effects act on the force of the others, as fitted before.
+const AGAIN: usize = 3;
 /// The largest step of a shape, in its own unit.
 const MOST_STEP: f64 = 0.5;
 /// Step for a slope, in the shape's own unit.
@@ -22,8 +24,8 @@ const STEP: f64 = 5e-3;
 /// A model with its strengths.
 #[derive(Clone, Debug)]
 struct Weighed {
-    /// Parameters of the specimen that effects act on.
-    on: [f64; DECLARED],
+    /// What effects act on.
+    on: ActsOn,
     columns: Vec<Vec<f64>>,
     bounds: Vec<Bound>,
     strengths: Vec<f64>,
@@ -41,12 +43,7 @@ struct Slope {
     column: Vec<f64>,
 }
 
-impl Weighed {
-    /// The refitted parameters, on which effects act in the next round.
-    fn on_refitted(&self) -> [f64; DECLARED] {
-        std::array::from_fn(|i| self.strengths[i])
-    }
-}
+impl Weighed {}
 
 fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
     (
@@ -69,15 +66,51 @@ impl SpecimenData<'_> {
         Some(better.unwrap_or(fit))
     }
 
+    /// The declared specimen alone.
+    fn on_declared(&self) -> ActsOn {
+        ActsOn {
+            declared: self.declared_values(),
+            ..ActsOn::default()
+        }
+    }
+
+    /// The refitted values, on which effects act in the next round.
+    fn on_refitted(&self, terms: &[Term], here: &Weighed) -> ActsOn {
+        let (declared, mut rest) = here.strengths.split_at(DECLARED);
+        let of = |t: &Term| {
+            let (own, others) = rest.split_at(self.strengths_of(t));
+            rest = others;
+            own.to_vec()
+        };
+        ActsOn {
+            strengths: terms.iter().map(of).collect(),
+            declared: std::array::from_fn(|i| declared[i]),
+        }
+    }
+
+    /// Number of strengths of a term; a stage has none.
+    fn strengths_of(&self, term: &Term) -> usize {
+        if self.is_stage(term) {
+            return 0;
+        }
+        self.rows[term.row].bounds(&self.sizes, term.shape).len()
+    }
+
+    /// How often a model is fitted again, with its effects acting on the values of the fit before.
+    fn rounds_of_effects(&self, terms: &[Term]) -> usize {
+        let row = |t: &Term| &self.rows[t.row];
+        if terms.len() > 1 && terms.iter().any(|t| row(t).acts_on_the_whole_force()) {
+            return AGAIN;
+        }
+        usize::from(terms.iter().any(|t| matches!(row(t).form, Form::Effect(_))))
+    }
+
     /// Refines the shapes of a model by the weights of a score.
     fn refined(&self, start: &[Term], score: &Score) -> Option<SpecimenModelFit> {
         let mut terms = start.to_vec();
-        let mut here = self.fitted(&terms, self.declared_values(), score)?;
-        if terms
-            .iter()
-            .any(|t| matches!(self.rows[t.row].form, Form::Effect(_)))
-        {
-            here = self.fitted(&terms, here.on_refitted(), score)?;
+        let mut here = self.fitted(&terms, self.on_declared(), score)?;
+        for _ in 0..self.rounds_of_effects(&terms) {
+            here = self.fitted(&terms, self.on_refitted(&terms, &here), score)?;
         }
         let mut slopes = Vec::new();
         for round in 0..ROUNDS {
@@ -99,7 +132,7 @@ impl SpecimenData<'_> {
     }
 
     /// The strengths of a model, by the weights of a score.
-    fn fitted(&self, terms: &[Term], on: [f64; DECLARED], score: &Score) -> Option<Weighed> {
+    fn fitted(&self, terms: &[Term], on: ActsOn, score: &Score) -> Option<Weighed> {
         let columns = self.columns_on(terms, &on);
         let bounds = self.bounds(terms);
         let parts = self.parts(&columns, &self.target);
@@ -126,15 +159,15 @@ impl SpecimenData<'_> {
 
     /// Change of the response with each shape: the term, its shape, whether it changes by factors, and the column.
     fn slopes(&self, terms: &[Term], here: &Weighed) -> Vec<Slope> {
+        // What a range lets pass changes with all terms.
+        let has_range = terms
+            .iter()
+            .any(|t| self.rows[t.row].stage() == Stage::Range);
         let mut all = Vec::new();
         let mut at = DECLARED;
         for (i, term) in terms.iter().enumerate() {
             let row = &self.rows[term.row];
-            let count = if self.is_stage(term) {
-                0
-            } else {
-                row.bounds(&self.sizes, term.shape).len()
-            };
+            let count = self.strengths_of(term);
             let own = at..at + count;
             at += count;
             for (which, log, range) in row.movable(term.shape, &self.sizes) {
@@ -142,15 +175,16 @@ impl SpecimenData<'_> {
                 let step = STEP * unit.max(1e-12);
                 let mut moved = terms.to_vec();
                 moved[i].shape[which] += step;
-                let column = if self.is_stage(term) {
+                let column = if self.is_stage(term) || row.acts_on_the_whole_force() || has_range {
                     let there = self.columns_on(&moved, &here.on);
                     self.change(&there, &here.columns, &here.strengths, step / unit)
                 } else {
                     if here.strengths[own.clone()].iter().all(|s| *s == 0.0) {
                         continue;
                     }
-                    let there =
-                        self.stacked(|m| m.columns(row, moved[i].shape, &self.sizes, &here.on));
+                    let there = self.stacked(|m| {
+                        m.columns(row, moved[i].shape, &self.sizes, &here.on.declared, None)
+                    });
                     let there = self.staged(there, terms);
                     self.change(
                         &there,
@@ -225,7 +259,7 @@ impl SpecimenData<'_> {
                 continue;
             }
             if let Some(there) = self
-                .fitted(&moved, here.on_refitted(), score)
+                .fitted(&moved, self.on_refitted(&moved, here), score)
                 .filter(|t| t.cost < here.cost)
             {
                 return Some((moved, there));
@@ -275,17 +309,7 @@ impl SpecimenData<'_> {
         if terms.iter().any(inside) {
             return None;
         }
-        let mut at = DECLARED;
-        let mut strengths = Vec::new();
-        for t in &terms {
-            let count = if self.is_stage(t) {
-                0
-            } else {
-                self.rows[t.row].bounds(&self.sizes, t.shape).len()
-            };
-            strengths.push(here.strengths[at..at + count].to_vec());
-            at += count;
-        }
+        let ActsOn { strengths, .. } = self.on_refitted(&terms, here);
         let is_nothing = |s: &Vec<f64>| !s.is_empty() && s.iter().all(|s| *s == 0.0);
         if strengths.iter().any(is_nothing) {
             return None;
@@ -310,7 +334,7 @@ impl SpecimenData<'_> {
             terms,
             strengths,
             names,
-            acts_on: Some(here.on),
+            acts_on: Some(here.on.clone()),
             left_out_mm: None,
         })
     }

@@ -20,6 +20,19 @@ pub enum Form {
     Effect(Candidate),
 }
 
+/// Where a law acts between specimen and record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// A force of the specimen, or one beside it.
+    Force,
+    /// A fraction of the whole force.
+    Calibration,
+    /// The range of what reads it.
+    Range,
+    /// Added to the reading.
+    Cable,
+}
+
 /// A law of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
@@ -129,6 +142,27 @@ impl Row {
         }
     }
 
+    /// Where it acts, in order: the forces, a calibration or a frame that changes them all, the range of what reads them, and
+    /// hum that its cable picks up.
+    pub fn stage(&self) -> Stage {
+        match self.form {
+            Form::Effect(c) => match c.effect {
+                Effect::GainError | Effect::RigCompliance | Effect::TemperatureGain => {
+                    Stage::Calibration
+                }
+                Effect::Saturation => Stage::Range,
+                Effect::MainsHum => Stage::Cable,
+                _ => Stage::Force,
+            },
+            Form::Element(_) | Form::Parameter(_) => Stage::Force,
+        }
+    }
+
+    /// True for an effect that acts on the force of all before it, as in a saved model.
+    pub fn acts_on_the_whole_force(&self) -> bool {
+        matches!(self.stage(), Stage::Calibration | Stage::Range)
+    }
+
     /// True if it is a spring whose stiffness depends on the displacement.
     pub fn is_spring(&self) -> bool {
         matches!(self.form, Form::Element(Law::PowerOfPlace | Law::Beyond))
@@ -164,12 +198,10 @@ impl Row {
                 let early = shape[0] < MAY_BE_FRICTION * sizes.motion.x;
                 return early.then_some(Effect::CoulombFriction);
             }
-            // A small fall with speed that ends while friction still builds up may be how it builds up.
             Form::Effect(c) if c.effect == Effect::StribeckFriction => {
-                let m = &sizes.motion;
-                let built_up = m.v * (2.0 * BUILDS_UP * shape[0] / m.x).sqrt();
-                let small = rest_ratio(strengths) < FALLS_LITTLE;
-                return (small && shape[1] < built_up).then_some(Effect::CoulombFriction);
+                let falls = [rest_ratio(strengths), shape[1]];
+                return builds_up(shape[0], falls, &sizes.motion)
+                    .then_some(Effect::CoulombFriction);
             }
             Form::Effect(_) | Form::Parameter(_) => return None,
         };
@@ -177,7 +209,11 @@ impl Row {
         let friction = element.may_be_friction(&sizes.motion);
         let levels_off = law == Law::Saturating && shape[0] < LEVELS_OFF * sizes.motion.v;
         let dashpot = law == Law::Relaxing && element.is_dashpot(&sizes.motion);
+        let [give, rise, speed, _] = shape;
+        let sticks =
+            law == Law::StickyBristles && builds_up(give, [1.0 + rise, speed], &sizes.motion);
         let other = match own.entry().family {
+            Family::Friction if sticks => Effect::CoulombFriction,
             Family::Hysteresis if friction => Effect::CoulombFriction,
             Family::Damping if levels_off => Effect::CoulombFriction,
             Family::Damping if dashpot => Effect::ViscousDamping,
@@ -253,6 +289,13 @@ impl Row {
                 .all(|(s, x)| (0.5 * s.low.min(2.0 * s.low)..=2.0 * s.high).contains(&x)),
         }
     }
+}
+
+/// True if friction that falls by this ratio and at this speed may be one that does not, built up over `give` by another law: a
+/// small fall that ends while it still builds up.
+fn builds_up(give: f64, [rest_ratio, speed]: [f64; 2], motion: &MotionScales) -> bool {
+    let built_up = motion.v * (2.0 * BUILDS_UP * give / motion.x).sqrt();
+    rest_ratio < FALLS_LITTLE && speed < built_up
 }
 
 /// A shape moves by factors if its range spans more than this one; the frequency of a line does not.

@@ -5,14 +5,14 @@ use super::cutoff;
 use super::gram::{Grams, Tie};
 use super::law::table;
 use super::motion::{Motion, sizes};
-use super::row::{Form, Row, Sizes};
+use super::row::{Form, Row, Sizes, Stage};
 use super::score::{Evidence, Score, edges};
 use super::search::{Atom, DECLARED, Search};
 use crate::criteria::CUTOFF_ROOM;
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
 use crate::numbers::linear::{Bound, dot};
-use crate::numbers::signals::{add_columns, add_scaled, averaged};
+use crate::numbers::signals::{add_columns, add_scaled, averaged, difference_quotient, peak};
 use crate::prepare::{input, noise};
 use crate::record::recording::Recording;
 use crate::record::rest;
@@ -21,6 +21,12 @@ use rayon::prelude::*;
 
 /// Noise of this size added to its like doubles it.
 const ROOT_3: f64 = 1.732;
+
+/// The end of a reading's range, as a fraction of the largest force read: with noise that is a little more.
+const REACHED: f64 = 0.985;
+
+/// Step for the slope of what a range lets pass, as a fraction of the largest force.
+const PASSES_STEP: f64 = 1e-6;
 
 /// A law with its shape values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +47,15 @@ impl Term {
     }
 }
 
+/// What the effects of a model act on: the declared parameters and, if an effect acts on the whole force, each term's strengths.
+#[derive(Clone, Debug, Default)]
+pub struct ActsOn {
+    /// Stiffness, damping, mass, offset.
+    pub declared: [f64; DECLARED],
+    /// The strengths of each term; none: a specimen of these parameters alone.
+    pub strengths: Vec<Vec<f64>>,
+}
+
 /// A fitted model of a specimen.
 #[derive(Clone, Debug)]
 pub struct SpecimenModelFit {
@@ -54,16 +69,20 @@ pub struct SpecimenModelFit {
     pub names: Vec<Effect>,
     /// The evidence for it.
     pub evidence: Evidence,
-    /// Parameters of the specimen that its effects act on; `None`: those above, as in a model file.
-    pub acts_on: Option<[f64; DECLARED]>,
+    /// What its effects act on; `None`: the values above, as in a model file.
+    pub acts_on: Option<ActsOn>,
     /// Its strengths come from samples at least this far from any reversal, mm; `None`: from all.
     pub left_out_mm: Option<f64>,
 }
 
 impl SpecimenModelFit {
-    /// Parameters of the specimen that its effects act on.
-    pub fn specimen(&self) -> [f64; DECLARED] {
-        self.acts_on.unwrap_or(self.declared)
+    /// What its effects act on.
+    pub fn acts_on(&self) -> ActsOn {
+        let own = || ActsOn {
+            declared: self.declared,
+            strengths: self.strengths.clone(),
+        };
+        self.acts_on.clone().unwrap_or_else(own)
     }
 }
 
@@ -189,9 +208,8 @@ impl<'a> SpecimenData<'a> {
                 if first[i] != Some(i) {
                     return Vec::new();
                 }
-                self.stacked(|m| {
-                    m.columns(&self.rows[*row], *shape, &self.sizes, &self.base.values)
-                })
+                let on = &self.base.values;
+                self.stacked(|m| m.columns(&self.rows[*row], *shape, &self.sizes, on, None))
             })
             .collect();
         let mut all = self.stacked(Motion::declared);
@@ -233,9 +251,9 @@ impl<'a> SpecimenData<'a> {
         (atoms, found)
     }
 
-    /// Columns of a model whose effects act on a specimen of these parameters, declared ones first, all passed through
-    /// a stage if its terms have one.
-    pub fn columns_on(&self, terms: &[Term], on: &[f64; DECLARED]) -> Vec<Vec<f64>> {
+    /// Columns of a model whose effects act on these values, declared ones first, all passed through a stage if its terms have
+    /// one.
+    pub fn columns_on(&self, terms: &[Term], on: &ActsOn) -> Vec<Vec<f64>> {
         self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes, on))
     }
 
@@ -251,7 +269,7 @@ impl<'a> SpecimenData<'a> {
 
     /// Sizes for the effects of a fit.
     pub fn sizes_of(&self, fit: &SpecimenModelFit) -> Sizes {
-        self.sizes.on(&fit.specimen())
+        self.sizes.on(&fit.acts_on().declared)
     }
 
     /// Bounds of a model's strengths, declared parameters first.
@@ -301,7 +319,7 @@ impl<'a> SpecimenData<'a> {
         let span = UnfilteredSpan::new(record)?;
         let track = span.track(span.past_band_hz(self.cutoff_hz));
         let motion = Motion::new(track, self.base);
-        let on = fit.specimen();
+        let on = fit.acts_on();
         let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes, &on);
         let mut strengths = fit.declared.to_vec();
         strengths.extend(fit.strengths.iter().flatten());
@@ -339,7 +357,7 @@ impl<'a> SpecimenData<'a> {
         let mut y = vec![0.0; self.target.len()];
         let mut strengths = fit.declared.to_vec();
         strengths.extend(fit.strengths.iter().flatten());
-        let (rows, sizes, on) = (&self.rows, &self.sizes, fit.specimen());
+        let (rows, sizes, on) = (&self.rows, &self.sizes, fit.acts_on());
         let columns = stacked(motions, self.every, |m| {
             model_columns(m, rows, &fit.terms, sizes, &on)
         });
@@ -365,6 +383,47 @@ impl<'a> SpecimenData<'a> {
             add_scaled(&mut other, &columns[i], fit.declared[i]);
         }
         dot(&other, &other) <= self.score.noise * other.len() as f64
+    }
+
+    /// The terms of a fit with the end of the reading's range in place of a spring that softens: the search has a range's columns
+    /// for the declared force alone, and what changes with time is read up to the same end.
+    pub fn with_a_range(&self, fit: &SpecimenModelFit) -> Vec<Vec<Term>> {
+        let end = REACHED * peak(&self.target);
+        // Those that end equally far on both sides.
+        let is_range = |r: &Row| r.stage() == Stage::Range && r.grid.iter().all(|s| s[1] >= 0.0);
+        let rows = (0..self.rows.len()).filter(|i| is_range(&self.rows[*i]));
+        let ranges = rows.filter_map(|row| {
+            let mut shape = *self.rows[row].grid.last()?;
+            shape[0] = end;
+            Some(Term { row, shape })
+        });
+        let soft = (0..fit.terms.len()).filter(|i| fit.names[*i] == Effect::Softening);
+        let of = |(i, range)| {
+            let mut terms = fit.terms.clone();
+            terms[i] = range;
+            terms
+        };
+        let ranges: Vec<Term> = ranges.collect();
+        let pairs = soft.flat_map(|i| ranges.iter().map(move |r| (i, *r)));
+        pairs.map(of).collect()
+    }
+
+    /// True if the force of all terms before one of a fit's is within the noise.
+    pub fn is_alone(&self, fit: &SpecimenModelFit, term: usize) -> bool {
+        let mut strengths = vec![0.0; DECLARED];
+        for (i, own) in fit.strengths.iter().enumerate() {
+            let stage = |i: usize| self.rows[fit.terms[i].row].stage();
+            let before = i != term && stage(i) <= stage(term);
+            strengths.extend(own.iter().map(|s| if before { *s } else { 0.0 }));
+        }
+        let mut others = vec![0.0; self.target.len()];
+        add_columns(
+            &mut others,
+            &self.columns_on(&fit.terms, &fit.acts_on()),
+            &strengths,
+            1.0,
+        );
+        dot(&others, &others) <= self.score.noise * others.len() as f64
     }
 
     /// The declared values.
@@ -409,13 +468,47 @@ pub fn model_columns(
     rows: &[Row],
     terms: &[Term],
     sizes: &Sizes,
-    on: &[f64; DECLARED],
+    on: &ActsOn,
 ) -> Vec<Vec<f64>> {
-    let mut all = m.declared();
     let is_stage = |t: &Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
-    for t in terms.iter().filter(|t| !is_stage(t)) {
-        all.extend(m.columns(&rows[t.row], t.shape, sizes, on));
+    // They act one after the other; the columns keep the order of the terms.
+    let mut acting: Vec<(usize, &Term)> = terms.iter().enumerate().collect();
+    acting.retain(|(_, t)| !is_stage(t));
+    acting.sort_by_key(|(_, t)| rows[t.row].stage());
+    let mut declared = m.declared();
+    let mut own: Vec<Vec<Vec<f64>>> = vec![Vec::new(); terms.len()];
+    let sums = acting
+        .iter()
+        .any(|(_, t)| rows[t.row].acts_on_the_whole_force());
+    let mut others = sums.then(|| vec![0.0; m.track.x.len()]);
+    for (i, t) in acting {
+        let row = &rows[t.row];
+        let of = |others: Option<&[f64]>| m.columns(row, t.shape, sizes, &on.declared, others);
+        let mut columns = of(others.as_deref());
+        let (Some(others), Some(strengths)) = (&mut others, on.strengths.get(i)) else {
+            own[i] = columns;
+            continue;
+        };
+        let mut before = others.clone();
+        add_columns(others, &columns, strengths, 1.0);
+        if row.stage() == Stage::Range {
+            // What it lets pass of each force: the columns are the slopes of what is read.
+            let step = PASSES_STEP * sizes.scales.base;
+            let more: Vec<f64> = before.iter().map(|f| f + step).collect();
+            let cut = difference_quotient(&of(Some(&more))[0], &columns[0], step);
+            add_columns(&mut before, &declared, &on.declared, 1.0);
+            let kept = |(c, (f, cut)): (&mut f64, (&f64, &f64))| *c -= f * cut;
+            columns[0]
+                .iter_mut()
+                .zip(before.iter().zip(&cut))
+                .for_each(kept);
+            let passed = declared.iter_mut().chain(own.iter_mut().flatten());
+            passed.for_each(|c| c.iter_mut().zip(&cut).for_each(|(c, cut)| *c += *c * cut));
+        }
+        own[i] = columns;
     }
+    let mut all = declared;
+    all.extend(own.into_iter().flatten());
     if let Some(late_s) = late_s(rows, terms) {
         all.iter_mut().for_each(|c| *c = m.late(c, late_s));
     }

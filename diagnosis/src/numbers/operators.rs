@@ -43,6 +43,17 @@ pub fn stopped(x: &[f64], [low, high, round]: [f64; 3]) -> Vec<f64> {
     x.iter().map(held).collect()
 }
 
+/// Change of [`stopped`] with the signal, at each of its samples: 1 between the stops, 0 beyond.
+pub fn stopped_slope(x: &[f64], [low, high, round]: [f64; 3]) -> Vec<f64> {
+    let beyond = |x: f64| {
+        let share = (x + round) / (2.0 * round).max(f64::MIN_POSITIVE);
+        share.clamp(0.0, 1.0)
+    };
+    x.iter()
+        .map(|x| 1.0 - beyond(x - high) - beyond(low - x))
+        .collect()
+}
+
 /// The excess over zero, with a corner that a parabola rounds over `round` to either side.
 fn beyond(x: f64, round: f64) -> f64 {
     if x.abs() < round {

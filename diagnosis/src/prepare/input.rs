@@ -303,7 +303,7 @@ fn commonness(name: Effect) -> f64 {
 
 /// Adds the names of a group that the motion cannot tell apart. The data give the group's probability, and `commonness` each
 /// name's share of what the added names have with the likeliest; other names keep theirs.
-fn share(all: &mut Vec<Member>, group: &[Effect], held: &[Effect]) {
+fn share(all: &mut Vec<Member>, group: &[Effect], named: &[Effect]) {
     let inside = |m: &Member| group.contains(&m.name);
     let of_group = |all: &[Member]| -> Vec<f64> {
         let own = all.iter().filter(|m| inside(m));
@@ -311,7 +311,7 @@ fn share(all: &mut Vec<Member>, group: &[Effect], held: &[Effect]) {
     };
     let before = of_group(all);
     let most = before.iter().copied().fold(0.0, f64::max);
-    let usual = held.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
+    let usual = named.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
     for &name in group {
         // At one speed, friction that falls with speed is friction.
         let friction = |n: Effect| n.entry().family == Family::Friction;
@@ -337,12 +337,15 @@ pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
         return;
     }
     for deficiency in deficiencies {
-        let own = |group: &&Vec<Effect>| answer.effects.iter().any(|e| group.contains(&e.name));
+        let held: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
+        let in_set = answer.members.iter().map(|m| m.name);
+        let named: Vec<Effect> = held.iter().copied().chain(in_set).collect();
+        let own = |group: &&Vec<Effect>| named.iter().any(|n| group.contains(n));
         let Some(group) = deficiency.alike.iter().find(own).cloned() else {
             continue;
         };
+        let named: Vec<Effect> = named.into_iter().filter(|n| group.contains(n)).collect();
         answer.notes.push(deficiency.sentence.clone());
-        let held: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
         let is_member = |e: &&FoundEffect| answer.members.iter().any(|m| m.name == e.name);
         let sure = answer.effects.iter().filter(|e| !is_member(e));
         let sure = sure.map(|e| Member {
@@ -350,7 +353,7 @@ pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
             probability: 1.0 - e.q.unwrap_or(LEAST_SURE),
         });
         let mut all: Vec<Member> = sure.chain(answer.members.iter().copied()).collect();
-        share(&mut all, &group, &held);
+        share(&mut all, &group, &named);
         answer.alternatives = all
             .iter()
             .map(|m| m.name)

@@ -2,7 +2,7 @@
 
 use crate::criteria::REACH;
 use crate::engine::score::{BLOCKS, edges};
-use crate::laws::drivetrain::part::{ActuatorScales, Part};
+use crate::laws::drivetrain::part::{ActuatorScales, Part, PartKind};
 use crate::laws::drivetrain::signal_path::{Run, SignalPath};
 use crate::model::base::Base;
 use crate::numbers::linear::{Bound, Factor, Normal, dot, gram, solve, stacked};
@@ -17,6 +17,8 @@ const TIMING: [usize; 2] = [1, 2];
 const STEPS: usize = 10;
 /// Relative decrease of the squares that is not worth another step.
 const SETTLED: f64 = 1e-3;
+/// Fraction of a column's squares in a block from which no other block shows it: a stop that is reached once.
+const ONLY_HERE: f64 = 0.999;
 /// Longest free delay or lag, s; at most a fifth of the record.
 const LONGEST_S: f64 = 0.5;
 
@@ -247,10 +249,15 @@ impl<'a> ActuatorData<'a> {
         let mut columns = self.columns(&path);
         if more.kind.is_column() {
             let mut own = columns.pop().unwrap_or_default();
+            if let Some(passes) =
+                path.passes(&self.combined(&columns, &fit.declared, &fit.amplitudes))
+            {
+                own.iter_mut().zip(passes).for_each(|(x, p)| *x *= p);
+            }
             clear(&mut own, &self.unmeasured);
             return own;
         }
-        let mut y = self.combined(&columns, &fit.declared, &fit.amplitudes);
+        let mut y = path.read(self.combined(&columns, &fit.declared, &fit.amplitudes));
         for ((y, t), r) in y.iter_mut().zip(&self.target).zip(&fit.residual) {
             *y -= t - r;
         }
@@ -281,12 +288,9 @@ impl<'a> ActuatorData<'a> {
 
     /// Residual of a fit on these records, which may differ from those that it was fitted to.
     pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
-        let y = self.combined(
-            &self.columns(&self.path(fit)),
-            &fit.declared,
-            &fit.amplitudes,
-        );
-        self.left(&y)
+        let path = self.path(fit);
+        let y = self.combined(&self.columns(&path), &fit.declared, &fit.amplitudes);
+        self.left(&path.read(y))
     }
 
     /// Splits a residual of all records by record.
@@ -334,9 +338,10 @@ impl<'a> ActuatorData<'a> {
                 }
                 let (step, _) = solve(&damped, &bounds)?;
                 let next = at.moved_by(&step);
-                let there = self.columns(&next.path());
+                let path = next.path();
+                let there = self.columns(&path);
                 let y = self.combined(&there, &next.declared, &next.amplitudes);
-                let left = self.left(&y);
+                let left = self.left(&path.read(y));
                 let square = dot(&left, &left);
                 if square < cost {
                     (at, columns) = (next, there);
@@ -350,16 +355,37 @@ impl<'a> ActuatorData<'a> {
                 break;
             }
         }
-        last.filter(|f| f.cost.is_finite())
+        let mut fit = last.filter(|f| f.cost.is_finite())?;
+        fit.model
+            .parts
+            .iter_mut()
+            .for_each(|p| self.mirror_a_stop(p));
+        Some(fit)
+    }
+
+    /// A stop that the records do not reach is taken to be as far from zero as the other: an amplifier's range is.
+    fn mirror_a_stop(&self, part: &mut Part) {
+        let ([low, high, ..], [least, most]) = (part.shapes, self.sizes.ends_mm);
+        if part.kind != PartKind::Stops {
+            return;
+        }
+        if low < least && -high < least {
+            part.shapes[0] = -high;
+        }
+        if high > most && -low > most {
+            part.shapes[1] = -low;
+        }
     }
 
     /// The model at these values and columns, with its slopes there.
     fn linearized(&self, model: &PartSet, at: &Place, columns: &[Vec<f64>]) -> ActuatorFit {
         let path = at.path();
-        let y = self.combined(columns, &at.declared, &at.amplitudes);
+        let before_stops = self.combined(columns, &at.declared, &at.amplitudes);
+        let passes = path.passes(&before_stops);
+        let y = path.read(before_stops);
         let residual = self.left(&y);
         ActuatorFit {
-            slopes: self.slopes(&path, columns, &y, &at.declared, &at.amplitudes),
+            slopes: self.slopes(&path, columns, [&y, &passes.unwrap_or_default()], at),
             model: PartSet {
                 parts: at.parts.clone(),
                 moved: model.moved,
@@ -401,18 +427,23 @@ impl<'a> ActuatorData<'a> {
         declared.chain(amplitudes).chain(shapes).collect()
     }
 
-    /// Change of the response with declared parameters, amplitudes and shapes.
+    /// Change of the reading `y` with declared parameters, amplitudes and shapes; `passes`: the fraction of what changes before
+    /// the stops that they let pass, empty without stops.
     fn slopes(
         &self,
         path: &SignalPath,
         columns: &[Vec<f64>],
-        y: &[f64],
-        declared: &[f64; DECLARED],
-        amplitudes: &[f64],
+        [y, passes]: [&[f64]; 2],
+        at: &Place,
     ) -> Vec<Vec<f64>> {
         let apart = |path: &SignalPath, step: f64| -> Vec<f64> {
-            let moved = self.combined(&self.columns(path), declared, amplitudes);
-            difference_quotient(&moved, y, step)
+            let moved = self.combined(&self.columns(path), &at.declared, &at.amplitudes);
+            difference_quotient(&path.read(moved), y, step)
+        };
+        // What is added before the stops passes them or not.
+        let passed = |mut column: Vec<f64>| {
+            column.iter_mut().zip(passes).for_each(|(x, p)| *x *= p);
+            column
         };
         let timed = 0.05 * self.interval_s;
         let mut late = path.clone();
@@ -420,12 +451,12 @@ impl<'a> ActuatorData<'a> {
         let mut slow = path.clone();
         slow.lag_s += timed;
         let mut slopes = vec![
-            columns[0].clone(),
+            passed(columns[0].clone()),
             apart(&late, timed),
             apart(&slow, timed),
-            vec![1.0; y.len()],
+            passed(vec![1.0; y.len()]),
         ];
-        slopes.extend(columns[1..].iter().cloned());
+        slopes.extend(columns[1..].iter().cloned().map(passed));
         for (p, part) in path.parts.iter().enumerate() {
             for i in 0..part.kind.shapes() {
                 let step = part.kind.step(i, &self.sizes);
@@ -448,7 +479,15 @@ impl<'a> ActuatorData<'a> {
         let mut out = [0.0; BLOCKS];
         for (b, out) in out.iter_mut().enumerate() {
             let (from, end) = (self.edges[b], self.edges[b + 1]);
-            let part: Vec<Vec<f64>> = columns.iter().map(|s| s[from..end].to_vec()).collect();
+            let of_block = |s: &[f64]| dot(&s[from..end], &s[from..end]);
+            // What only this block shows cannot be judged by the others.
+            let shown = |i: &usize| of_block(&columns[*i]) < ONLY_HERE * whole[(*i, *i)];
+            let shown: Vec<usize> = (0..columns.len()).filter(shown).collect();
+            let part: Vec<Vec<f64>> = shown
+                .iter()
+                .map(|i| columns[*i][from..end].to_vec())
+                .collect();
+            let whole = whole.select_rows(&shown).select_columns(&shown);
             let mut matrix = &whole - gram(&part);
             for i in 0..matrix.nrows() {
                 matrix[(i, i)] += 1e-9 * whole[(i, i)];

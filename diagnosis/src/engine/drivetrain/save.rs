@@ -94,9 +94,13 @@ impl ActuatorData<'_> {
             }
         }
         let mut amplitudes = fit.amplitudes.iter();
-        for part in &fit.model.parts {
-            let own = part.kind.is_column().then(|| amplitudes.next());
-            let strength = own.flatten().copied().unwrap_or(0.0);
+        let strength = |p: &Part| p.kind.is_column().then(|| amplitudes.next()).flatten();
+        let strengths: Vec<Option<&f64>> = fit.model.parts.iter().map(strength).collect();
+        let mut parts: Vec<_> = fit.model.parts.iter().zip(strengths).collect();
+        // Those of a file act one after the other.
+        parts.sort_by_key(|(p, _)| PartKind::ALL.iter().position(|k| *k == p.kind));
+        for (part, strength) in parts {
+            let strength = strength.copied().unwrap_or(0.0);
             let parameters = saved(part, strength, &fit.declared);
             effects.extend(part.kind.effect().map(|e| EffectSpec::new(e, &parameters)));
         }
@@ -129,12 +133,9 @@ fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'stati
             vec![("width_mm", width), ("middle_mm", b * gain + offset)]
         }
         PartKind::Stops => {
-            let mut all = vec![
-                ("lower_mm", a * gain + offset),
-                ("upper_mm", b * gain + offset),
-            ];
+            let mut all = vec![("lower_mm", a), ("upper_mm", b)];
             if c > 0.0 {
-                all.push(("rounding_mm", c * gain.abs()));
+                all.push(("rounding_mm", c));
             }
             all
         }
@@ -205,14 +206,12 @@ fn part_figures(
             vec![("width_mm", "mm", a * gain, sa * gain)]
         }
         PartKind::Stops => {
-            // As in a model file: of the displacement, after gain and offset.
-            let at = |stop: f64| (stop * declared[0] + declared[3]).abs();
             // A stop that the motion does not reach has no scatter.
-            let both = [(at(a), sa), (at(b), sb)];
+            let both = [(a.abs(), sa), (b.abs(), sb)];
             let reached = both.into_iter().filter(|s| s.1 > 0.0);
             let nearest = reached.min_by(|s, t| s.0.total_cmp(&t.0));
             let (limit, scatter) = nearest.unwrap_or(both[0]);
-            vec![("limit_mm", "mm", limit, scatter * gain)]
+            vec![("limit_mm", "mm", limit, scatter)]
         }
         PartKind::Friction => vec![
             ("error_mm", "mm", strength, ss),

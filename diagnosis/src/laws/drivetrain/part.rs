@@ -32,8 +32,6 @@ pub enum PartKind {
     Play,
     /// No response to commands within a band: its width and its middle, mm.
     DeadBand,
-    /// Stops of the displacement: the lower, the upper, and how far their corners are rounded, mm.
-    Stops,
     /// Dry friction in the drive: its elastic give, mm, and how round it turns over, see [`dahl`]; its strength is an
     /// amplitude.
     Friction,
@@ -52,6 +50,8 @@ pub enum PartKind {
     /// A drifting gain: its time constant, s, and how much it warms by its own motion, 1/mm^2, over how much with time; an
     /// amplitude.
     GainDrift,
+    /// Stops of the reading, after gain, offset and all others: the lower, the upper, and how far their corners are rounded, mm.
+    Stops,
 }
 
 /// Sizes of the records, the reference for shapes.
@@ -72,7 +72,7 @@ pub struct ActuatorScales {
 }
 
 impl PartKind {
-    /// All of them.
+    /// All of them, in the order in which they act.
     pub const ALL: [Self; 19] = [
         Self::SecondLag,
         Self::OilColumn,
@@ -85,7 +85,6 @@ impl PartKind {
         Self::Sag,
         Self::Play,
         Self::DeadBand,
-        Self::Stops,
         Self::Friction,
         Self::Seal,
         Self::StickySeal,
@@ -93,6 +92,7 @@ impl PartKind {
         Self::SideGain,
         Self::Drift,
         Self::GainDrift,
+        Self::Stops,
     ];
 
     /// Its name in the catalogue; none for what any sound ram has, and for a sagging supply.

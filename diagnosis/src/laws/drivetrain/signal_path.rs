@@ -1,7 +1,8 @@
-//! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
+//! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play; and
+//! the stops of the reading.
 
 use super::part::{Part, PartKind};
-use crate::numbers::operators::{dahl, dead_zone, heated, play, stopped};
+use crate::numbers::operators::{dahl, dead_zone, heated, play, stopped, stopped_slope};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
 /// A record as used by the search; what precedes its first judged sample only sets the state.
@@ -64,10 +65,6 @@ impl SignalPath {
                 _ => {}
             }
         }
-        for part in self.parts.iter().filter(|p| p.kind == PartKind::Stops) {
-            let [low, high, round, _] = part.shapes;
-            y = stopped(&y, [low, high, round]);
-        }
         let own = |part: &Part| -> Option<Vec<f64>> {
             let [a, b, ..] = part.shapes;
             let growth = |i: usize| 1.0 - (-(run.from_s + i as f64 * interval_s) / a).exp();
@@ -92,6 +89,23 @@ impl SignalPath {
         let mut columns = vec![y[run.lead..].to_vec()];
         columns.extend(more);
         columns
+    }
+
+    /// The stops of the reading: lower, upper, and how far their corners are rounded, mm.
+    fn stops(&self) -> Option<[f64; 3]> {
+        let stops = self.parts.iter().find(|p| p.kind == PartKind::Stops)?;
+        let [low, high, round, _] = stops.shapes;
+        Some([low, high, round])
+    }
+
+    /// A reading with everything before its stops, mm, as they let it pass.
+    pub fn read(&self, mm: Vec<f64>) -> Vec<f64> {
+        self.stops().map_or_else(|| mm.clone(), |s| stopped(&mm, s))
+    }
+
+    /// The fraction of a change that the stops let pass at each reading before them; `None` without stops.
+    pub fn passes(&self, mm: &[f64]) -> Option<Vec<f64>> {
+        Some(stopped_slope(mm, self.stops()?))
     }
 
     /// The oil that a valve lets in, w' = flow(u - x) / T, and the ram x driven by it; begins settled.

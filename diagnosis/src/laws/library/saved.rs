@@ -12,9 +12,14 @@ type Form = (Effect, &'static [&'static str]);
 pub fn forms(channel: Channel) -> &'static [Form] {
     match channel {
         Channel::Actuator => &OF_AN_ACTUATOR,
-        Channel::Specimen => &[(Effect::Saturation, &["lower_n", "upper_n"])],
+        Channel::Specimen => &OF_A_SPECIMEN,
     }
 }
+
+const OF_A_SPECIMEN: [Form; 2] = [
+    (Effect::Saturation, &["lower_n", "upper_n"]),
+    (Effect::Saturation, &["limit_n", "sharpness"]),
+];
 
 const OF_AN_ACTUATOR: [Form; 13] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),

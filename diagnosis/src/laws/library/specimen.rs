@@ -83,8 +83,9 @@ pub const FATIGUE: Candidate = Candidate {
     ..BASIS
 };
 
-/// Least sharpness of a limit with a rounded corner: at half of it such a channel is still of transducer class 0.5 %.
-const SHARP: f64 = 5.0;
+/// Sharpness of a limit with a rounded corner. A fit may go down to half of it, where a channel is still of transducer class 0.5 %
+/// at half of its limit; softer, it is a force that levels off.
+const SHARP: f64 = 10.0;
 
 /// A force limit with a rounded corner: the rival of a softening spring.
 pub const ROUNDED_LIMIT: Candidate = Candidate {
@@ -92,15 +93,12 @@ pub const ROUNDED_LIMIT: Candidate = Candidate {
     shapes: |s| {
         vec![
             Shape::new(0.3 * s.base, 1.5 * s.base),
-            Shape::new(SHARP, 8.0 * SHARP),
+            Shape::new(SHARP, 4.0 * SHARP),
         ]
     },
-    columns: |s, p, _| {
-        let ends = |f: &f64| f / (1.0 + (f / p[0]).abs().powf(p[1])).powf(1.0 / p[1]);
-        vec![s.base.iter().map(|f| ends(f) - f).collect()]
-    },
+    columns: |s, p, _| rounded(s, [p[0], p[1]]),
     bounds: once,
-    parameters: |_, p, _| vec![("limit_n", "N", p[0])],
+    parameters: |_, p, _| vec![("limit_n", "N", p[0]), ("sharpness", "", p[1])],
     ..BASIS
 };
 
@@ -120,6 +118,12 @@ pub const OFF_CENTRE_LIMIT: Candidate = Candidate {
     ..BASIS
 };
 
+/// What a limit with a rounded corner takes from the force.
+fn rounded(s: &Signals, [limit, sharpness]: [f64; 2]) -> Vec<Vec<f64>> {
+    let ends = |f: &f64| f / (1.0 + (f / limit).abs().powf(sharpness)).powf(1.0 / sharpness);
+    vec![s.base.iter().map(|f| ends(f) - f).collect()]
+}
+
 /// What two limits take from the force.
 fn between(s: &Signals, [lower, upper]: [f64; 2]) -> Vec<Vec<f64>> {
     let cut = s.base.iter().map(|f| f.min(upper).max(lower) - f);
@@ -127,11 +131,18 @@ fn between(s: &Signals, [lower, upper]: [f64; 2]) -> Vec<Vec<f64>> {
 }
 
 /// Forms that the engine finds in addition to those below, as they are read back from a model file.
-pub const FORMS: &[Known] = &[Known {
-    effect: Effect::Saturation,
-    columns: |s, p, _| between(s, [p[0], p[1]]),
-    stage: None,
-}];
+pub const FORMS: &[Known] = &[
+    Known {
+        effect: Effect::Saturation,
+        columns: |s, p, _| between(s, [p[0], p[1]]),
+        stage: None,
+    },
+    Known {
+        effect: Effect::Saturation,
+        columns: |s, p, _| rounded(s, [p[0], p[1]]),
+        stage: None,
+    },
+];
 
 /// Largest rounding of a gap's corners, relative to the gap: there they meet in the middle, and a spring that is felt
 /// there is one that stiffens.
