@@ -12,14 +12,14 @@ use crate::prepare::noise::hum::lines_at_rest;
 use plant::{Channel, Effect};
 
 impl ChannelDiagnosis<'_> {
-    /// The answer without the hum of the displacement's reading, with the hum named; `None` if hum is not what an
-    /// answer without a name leaves.
+    /// The answer without the hum of the displacement's reading, with the hum named; `None` if hum is not what an answer leaves.
     pub(super) fn beside_hum(
         &self,
         answer: &ChannelAnswer,
         improved: &mut Model,
     ) -> Option<ChannelAnswer> {
-        if self.base.channel != Channel::Actuator || answer.verdict != Verdict::Unknown {
+        let is_open = !matches!(answer.verdict, Verdict::None | Verdict::NotAssessed);
+        if self.base.channel != Channel::Actuator || !is_open {
             return None;
         }
         let [clean_train, clean_test, clean_rest] =

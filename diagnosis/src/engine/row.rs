@@ -198,10 +198,12 @@ impl Row {
                 let early = shape[0] < MAY_BE_FRICTION * sizes.motion.x;
                 return early.then_some(Effect::CoulombFriction);
             }
+            // A small fall with speed that ends while friction still builds up may be how it builds up.
             Form::Effect(c) if c.effect == Effect::StribeckFriction => {
-                let falls = [rest_ratio(strengths), shape[1]];
-                return builds_up(shape[0], falls, &sizes.motion)
-                    .then_some(Effect::CoulombFriction);
+                let m = &sizes.motion;
+                let built_up = m.v * (2.0 * BUILDS_UP * shape[0] / m.x).sqrt();
+                let small = rest_ratio(strengths) < FALLS_LITTLE;
+                return (small && shape[1] < built_up).then_some(Effect::CoulombFriction);
             }
             Form::Effect(_) | Form::Parameter(_) => return None,
         };
@@ -209,11 +211,7 @@ impl Row {
         let friction = element.may_be_friction(&sizes.motion);
         let levels_off = law == Law::Saturating && shape[0] < LEVELS_OFF * sizes.motion.v;
         let dashpot = law == Law::Relaxing && element.is_dashpot(&sizes.motion);
-        let [give, rise, speed, _] = shape;
-        let sticks =
-            law == Law::StickyBristles && builds_up(give, [1.0 + rise, speed], &sizes.motion);
         let other = match own.entry().family {
-            Family::Friction if sticks => Effect::CoulombFriction,
             Family::Hysteresis if friction => Effect::CoulombFriction,
             Family::Damping if levels_off => Effect::CoulombFriction,
             Family::Damping if dashpot => Effect::ViscousDamping,
@@ -289,13 +287,6 @@ impl Row {
                 .all(|(s, x)| (0.5 * s.low.min(2.0 * s.low)..=2.0 * s.high).contains(&x)),
         }
     }
-}
-
-/// True if friction that falls by this ratio and at this speed may be one that does not, built up over `give` by another law: a
-/// small fall that ends while it still builds up.
-fn builds_up(give: f64, [rest_ratio, speed]: [f64; 2], motion: &MotionScales) -> bool {
-    let built_up = motion.v * (2.0 * BUILDS_UP * give / motion.x).sqrt();
-    rest_ratio < FALLS_LITTLE && speed < built_up
 }
 
 /// A shape moves by factors if its range spans more than this one; the frequency of a line does not.

@@ -73,7 +73,6 @@ impl SavedElement {
         let above = |x: f64| x.is_finite() && x > 0.0;
         let first = match self.law {
             Law::Away | Law::Square | Law::Beyond | Law::SizeOfSpeed => true,
-            Law::StickyBristles => self.shape[0].min(self.shape[2]) > 0.0,
             _ => self.shape[0] > 0.0,
         };
         if let Some(hz) = self.cutoff_hz.filter(|hz| !above(*hz)) {
@@ -93,7 +92,7 @@ impl SavedElement {
         }
         Err(Refusal::new(format!(
             "{place} is refused: strength = {}, shape = {:?}, reference_mm = {}, reference_mm_per_s = {}: accepted are \
-             finite numbers, and references, the first shape and a speed in it above 0",
+             finite numbers, and references and the first shape above 0",
             self.strength, self.shape, self.reference_mm, self.reference_mm_per_s
         )))
     }

@@ -126,6 +126,7 @@ fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'stati
         PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
         PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
         PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
+        PartKind::Slew => vec![("rate_mm_per_s", width)],
         PartKind::Load | PartKind::Sag => Vec::new(),
         PartKind::Play => vec![("width_mm", width)],
         // After gain and offset, as in a model file.
@@ -200,7 +201,9 @@ fn part_figures(
             let per_s = gain / lag_s;
             vec![("rate_mm_per_s", "mm/s", a * per_s, sa * per_s)]
         }
-        PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a * gain, sa * gain)],
+        PartKind::RateLimit | PartKind::Slew => {
+            vec![("rate_mm_per_s", "mm/s", a * gain, sa * gain)]
+        }
         PartKind::Load | PartKind::Sag => Vec::new(),
         PartKind::Play | PartKind::DeadBand => {
             vec![("width_mm", "mm", a * gain, sa * gain)]

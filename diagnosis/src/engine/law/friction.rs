@@ -17,18 +17,6 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
             2.4,
             over([7e-4, 2e-3, 6e-3, 0.018, 0.036], x),
         ),
-        Row::element(
-            Law::StickyBristles,
-            2.5,
-            [
-                [3e-3, 0.03],
-                [3e-3, 0.1],
-                [3e-3, 0.3],
-                [0.015, 0.1],
-                [0.015, 0.3],
-            ]
-            .map(|[give, speed]| [give * x, 0.8, speed * v, 0.0]),
-        ),
         Row::element(Law::Saturating, 2.7, over([0.01, 0.03, 0.06], v)),
         Row::element(Law::PowerOfSpeed, 3.2, over([0.12, 0.2], 1.0)),
         Row::element(

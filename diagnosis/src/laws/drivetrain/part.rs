@@ -28,6 +28,8 @@ pub enum PartKind {
     /// A sagging supply: the fraction of its pressure that a mean speed of 1 mm/s takes from the flow, s/mm, and the
     /// time in which the accumulator recovers, s. A sound ram does not have it, and the catalogue has no name for it.
     Sag,
+    /// A largest speed after all lags, mm/s: the catalogue's equation.
+    Slew,
     /// Play after the drive: its width, mm.
     Play,
     /// No response to commands within a band: its width and its middle, mm.
@@ -73,7 +75,7 @@ pub struct ActuatorScales {
 
 impl PartKind {
     /// All of them, in the order in which they act.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
@@ -83,6 +85,7 @@ impl PartKind {
         Self::RateLimit,
         Self::Load,
         Self::Sag,
+        Self::Slew,
         Self::Play,
         Self::DeadBand,
         Self::Friction,
@@ -103,7 +106,7 @@ impl PartKind {
             Self::OilColumn => Effect::OilColumn,
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => Effect::AsymmetricActuator,
             Self::Overlap | Self::DeadBand => Effect::DeadBand,
-            Self::FlowLimit | Self::RateLimit => Effect::RateLimit,
+            Self::FlowLimit | Self::RateLimit | Self::Slew => Effect::RateLimit,
             Self::Play => Effect::Backlash,
             Self::Stops => Effect::Saturation,
             Self::Friction | Self::Seal => Effect::CoulombFriction,
@@ -128,7 +131,7 @@ impl PartKind {
         let group = |k: Self| match k {
             Self::Play | Self::Friction | Self::Seal | Self::StickySeal => 0,
             Self::Overlap | Self::DeadBand => 1,
-            Self::FlowLimit | Self::RateLimit => 2,
+            Self::FlowLimit | Self::RateLimit | Self::Slew => 2,
             Self::UnequalAreas | Self::TwoSpeeds | Self::SideGain => 3,
             Self::SecondLag | Self::OilColumn => 4,
             Self::Drift | Self::GainDrift => 5,
@@ -213,7 +216,9 @@ impl PartKind {
             Self::TwoSpeeds => [-0.5, -0.2, 0.2, 0.5].map(|r| shapes([r])).to_vec(),
             Self::Overlap => spread(0.01 * s.opening_mm, 0.5 * s.opening_mm, 6),
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
-            Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
+            Self::RateLimit | Self::Slew => {
+                spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8)
+            }
             Self::Load => [0.05, 0.2].map(|l| shapes([l / s.x_mm])).to_vec(),
             Self::Sag => vec![shapes([0.1 / s.speed_mm_per_s, 0.3])],
             // The reading only shows the motion that they leave: they may be wider than that.
@@ -273,7 +278,7 @@ impl PartKind {
             (Self::TwoSpeeds, _) => [-0.9, 0.9],
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
             (Self::FlowLimit, _) => [0.05 * s.opening_mm, 2.0 * s.opening_mm],
-            (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
+            (Self::RateLimit | Self::Slew, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
             (Self::Load, _) => [0.0, 0.8 / s.x_mm],
             (Self::Sag, 0) => [0.0, 1.5 / s.speed_mm_per_s],
             (Self::Sag, _) => [0.1, 1.0],
@@ -306,7 +311,7 @@ impl PartKind {
             (Self::Sag, 0) => 1e-3 / s.speed_mm_per_s,
             (Self::Sag, _) => 1e-2,
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
-            (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
+            (Self::RateLimit | Self::Slew, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
             (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,
             (Self::StickySeal, _) | (Self::Friction, 1) => 1e-2,
             (Self::GainDrift, 1) => 1e-2 / s.x_mm.powi(2),

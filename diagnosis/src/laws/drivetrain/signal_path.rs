@@ -2,7 +2,7 @@
 //! the stops of the reading.
 
 use super::part::{Part, PartKind};
-use crate::numbers::operators::{dahl, dead_zone, heated, play, stopped, stopped_slope};
+use crate::numbers::operators::{dahl, dead_zone, heated, play, slew, stopped, stopped_slope};
 use crate::numbers::signals::{delayed, lagged, resonant};
 
 /// A record as used by the search; what precedes its first judged sample only sets the state.
@@ -53,6 +53,9 @@ impl SignalPath {
                 PartKind::OilColumn => y = resonant(&y, a, [b, c], interval_s),
                 _ => {}
             }
+        }
+        for part in self.parts.iter().filter(|p| p.kind == PartKind::Slew) {
+            y = slew(&y, part.shapes[0] * interval_s);
         }
         // Parts that act at standstill come last, in the order of a drive.
         for part in &self.parts {

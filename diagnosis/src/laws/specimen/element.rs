@@ -15,9 +15,6 @@ pub enum Law {
     Slider,
     /// Bristles: friction that builds up smoothly [yield displacement mm].
     Bristles,
-    /// Bristles that hold more at rest [yield displacement mm, force at rest over that in motion less 1, speed mm/s at which the
-    /// difference has dropped to 1/e].
-    StickyBristles,
     /// Bouc-Wen [yield displacement mm, exponent, load, unload].
     BoucWen,
     /// Five sliders [largest yield displacement mm, where they begin as a share of it].
@@ -74,13 +71,10 @@ pub struct Element {
 }
 
 impl Law {
-    /// True if it first gives and then slides, at speed with the same force anywhere and at any time.
+    /// True if it first gives and then slides, with the same force anywhere and at any time.
     pub fn slides(self) -> bool {
-        use Law::{BoucWen, Bristles, Distributed, InSeries, Slider, StickyBristles};
-        matches!(
-            self,
-            Slider | Bristles | StickyBristles | BoucWen | Distributed | InSeries
-        )
+        use Law::{BoucWen, Bristles, Distributed, InSeries, Slider};
+        matches!(self, Slider | Bristles | BoucWen | Distributed | InSeries)
     }
 }
 
@@ -105,9 +99,6 @@ impl Element {
         match self.law {
             Law::Slider => slider(x, p),
             Law::Bristles => laws::bristles(x, p),
-            Law::StickyBristles => times(laws::bristles(x, p), &t.v, &|v| {
-                1.0 + q * (-(v / r).abs()).exp()
-            }),
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
             Law::Distributed => laws::distributed(x, p, q),
             Law::InSeries => laws::in_series(x, h, p, q, r),

@@ -125,7 +125,6 @@ fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue
         ],
         Law::Slider
         | Law::Bristles
-        | Law::StickyBristles
         | Law::BoucWen
         | Law::Distributed
         | Law::InSeries
@@ -269,12 +268,6 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     if let Some((e, _)) = part.iter().find(|(e, _)| gives(e)) {
         all.push((PRESLIDING, "mm", e.yields_at()));
     }
-    if let Some((e, more)) = part.iter().find(|(e, _)| e.law == Law::StickyBristles) {
-        all.extend([
-            ("rest_ratio", "", 1.0 + more * e.shape[1] / force),
-            ("stribeck_mm_per_s", "mm/s", e.shape[2]),
-        ]);
-    }
     // A force that hardly grows with speed has no give: its smooth reversals are a power of the speed.
     if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::PowerOfSpeed) {
         all.push(("exponent", "", e.shape[0]));
@@ -353,7 +346,6 @@ mod tests {
         for element in [
             Element::new(Law::Slider, [0.02]),
             Element::new(Law::Bristles, [0.02]),
-            Element::new(Law::StickyBristles, [0.02, 0.8, 5.0]),
             Element::new(Law::Distributed, [0.02]),
             Element::new(Law::BoucWen, [0.02, 1.0, 4.0, 4.0]),
             // Creep below and above the top speed of the motion.

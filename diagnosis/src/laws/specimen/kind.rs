@@ -37,7 +37,6 @@ impl Element {
             | Law::Worn
             | Law::Recentring
             | Law::Pinched => Effect::BoucWenHysteresis,
-            Law::StickyBristles => Effect::StribeckFriction,
             Law::PowerOfSpeed if p < EXPONENTS[0] => Effect::CoulombFriction,
             Law::PowerOfSpeed if p < EXPONENTS[1] => Effect::ViscousDamping,
             Law::PowerOfSpeed => Effect::QuadraticDamping,

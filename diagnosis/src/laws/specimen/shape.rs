@@ -39,7 +39,6 @@ impl Element {
             // If it has rates of its own, the give is the unit of its force.
             Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
             Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
-            Law::StickyBristles => &[(0, Log), (1, Log), (2, Log)],
             Law::Distributed => &[(0, Log), (1, Straight)],
             Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
             Law::PowerOfPlace => &[(0, Straight)],
@@ -65,11 +64,6 @@ impl Element {
             Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
             // With a longer give it would be Bouc-Wen's.
             Law::Bristles => (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p),
-            Law::StickyBristles => {
-                (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p)
-                    && (0.05..=5.0).contains(&q)
-                    && (0.01 * sizes.v..=0.5 * sizes.v).contains(&r)
-            }
             Law::BoucWen => {
                 let grows = r * (MOST_GROWTH * x / p).powf(q);
                 (2e-3 * x..=3.0 * x).contains(&p)
