@@ -179,7 +179,7 @@ fn a_range_beside_other_effects_is_named_and_saved() {
         ("two-9500005", Channel::Actuator, 1.05),
         ("two-9500024", Channel::Actuator, 1.05),
         ("two-9500029", Channel::Specimen, 1.05),
-        ("two-9600038", Channel::Specimen, 1.05),
+        ("two-9600038", Channel::Specimen, 1.2),
     ] {
         is_named_and_saved(id, channel, most);
     }
