@@ -220,7 +220,7 @@ fn is_named_and_saved(id: &str, channel: Channel, most: f64) {
 
 /// Two effects: a loop that yields in few blocks of a record; a drift beside a loop; loops whose yield displacements differ; an
 /// actuator's friction that to first order is play, beside a scale and an offset; small lags in a chain, two lags, a zero that
-/// settles, each as one cause; and a wrong scale beside a joint that slips.
+/// settles, each as one cause; a wrong scale beside a joint that slips; a largest speed after the lags; and hum beside a frame.
 #[test]
 fn two_effects_are_named_where_least_squares_leads_and_one_cause_has_one_name() {
     let ids = [
@@ -233,6 +233,8 @@ fn two_effects_are_named_where_least_squares_leads_and_one_cause_has_one_name() 
         "two-9100071",
         "two-9100101",
         "two-9100046",
+        "two-9700012",
+        "two-9700037",
     ];
     let items = ids.map(|id| Item::from_id(id).unwrap());
     let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();

@@ -483,6 +483,10 @@ impl<'a> ActuatorData<'a> {
             // What only this block shows cannot be judged by the others.
             let shown = |i: &usize| of_block(&columns[*i]) < ONLY_HERE * whole[(*i, *i)];
             let shown: Vec<usize> = (0..columns.len()).filter(shown).collect();
+            if shown.is_empty() {
+                *out = dot(&fit.residual[from..end], &fit.residual[from..end]);
+                continue;
+            }
             let part: Vec<Vec<f64>> = shown
                 .iter()
                 .map(|i| columns[*i][from..end].to_vec())

@@ -103,7 +103,10 @@ impl SignalPath {
 
     /// A reading with everything before its stops, mm, as they let it pass.
     pub fn read(&self, mm: Vec<f64>) -> Vec<f64> {
-        self.stops().map_or_else(|| mm.clone(), |s| stopped(&mm, s))
+        match self.stops() {
+            Some(stops) => stopped(&mm, stops),
+            None => mm,
+        }
     }
 
     /// The fraction of a change that the stops let pass at each reading before them; `None` without stops.
