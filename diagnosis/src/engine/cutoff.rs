@@ -1,11 +1,11 @@
 //! Cut-off between displacement and noise, judged by the force: velocities and accelerations above it only disturb.
 
-use super::bounded::Equations;
 use super::search::DECLARED;
 use crate::criteria::{BLOCKS, CUTOFF_HOLDS, CUTOFFS};
 use crate::laws::specimen::element::{Element, Law};
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan};
 use crate::model::base::Base;
+use crate::numbers::bounded::Equations;
 use crate::numbers::linear::Bound;
 use rayon::prelude::*;
 
@@ -123,13 +123,12 @@ fn squares(
 
 /// Sum of the residual squares of each block, fitted to the others.
 fn left_out(parts: &[Equations], bounds: &[Bound]) -> Option<f64> {
-    let (low, high): (Vec<f64>, Vec<f64>) = bounds.iter().map(|b| (b.low, b.high)).unzip();
     let mut whole = Equations::zero(bounds.len());
     parts.iter().for_each(|part| whole.add(part, 1.0));
     let left = parts.iter().map(|part| {
         let mut others = whole.clone();
         others.add(part, -1.0);
-        Some(part.left(&others.solve(&low, &high)?))
+        Some(part.left(&others.solve(bounds)?))
     });
     left.sum()
 }

@@ -1,12 +1,13 @@
 //! The unnamed rival: free functions of displacement and speed, memory of any yield, relaxation and slow change, added
 //! to any model. If it predicts left-out blocks as well as a law, less its price, other laws are possible.
 
-use super::bounded::Equations;
 use super::gram::judged;
 use super::motion::Motion;
 use super::score::{BLOCKS, Evidence};
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use crate::laws::specimen::track::Track;
+use crate::numbers::bounded::Equations;
+use crate::numbers::linear::Bound;
 use crate::numbers::operators::{relaxed, slider, travel};
 
 /// Its price, nats: it beats a name of the usual price 3 if it leaves under half (0.44) of that name's squares.
@@ -66,14 +67,12 @@ impl SpecimenData<'_> {
         let mut bounds = self.bounds(&fit.terms);
         let own = columns.len();
         columns.extend(free.iter().cloned());
-        bounds.resize(columns.len(), crate::numbers::linear::Bound::FREE);
+        bounds.resize(columns.len(), Bound::FREE);
         let mut parts: Vec<Equations> = self.parts(&columns, &self.target);
         parts.iter_mut().for_each(|p| p.soft = own);
-        let low: Vec<f64> = bounds.iter().map(|b| b.low).collect();
-        let high: Vec<f64> = bounds.iter().map(|b| b.high).collect();
         let ties = self.ties(|i| self.frees(&fit.terms, i));
         let first: [f64; BLOCKS] = self.score.weights(&self.left_by(fit));
-        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &first)?;
+        let fitted = judged(&parts, &bounds, &ties, &self.score, &first)?;
         let price = fit.evidence.price + PRICE;
         Some(self.score.evidence(&fitted.left_out, price))
     }

@@ -1,8 +1,8 @@
 //! Scalar products of all columns, block by block of the training data: enough to fit any model, and to judge it on the
 //! block left out, without the data.
 
-use super::bounded::Equations;
 use super::score::{BLOCKS, Score};
+use crate::numbers::bounded::Equations;
 use crate::numbers::linear::{Bound, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -81,15 +81,18 @@ impl Grams {
         let parts: Vec<Equations> = self.each.iter().map(|b| self.part(b, &at)).collect();
         let by = |i: usize| self.scale[at[i]];
         let limit = |i: usize, x: f64| if by(i) > 0.0 { x / by(i) } else { 0.0 };
-        let low: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.low)).collect();
-        let high: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.high)).collect();
+        let bounds = terms.iter().enumerate().map(|(i, (_, bound))| Bound {
+            low: limit(i, bound.low),
+            high: limit(i, bound.high),
+        });
+        let bounds: Vec<Bound> = bounds.collect();
         let scaled = ties.iter().map(|t| Tie {
             value: limit(t.unknown, t.value),
             weight: t.weight * by(t.unknown).powi(2),
             ..*t
         });
         let scaled: Vec<Tie> = scaled.collect();
-        let mut fitted = judged(&parts, [&low, &high], &scaled, score, first)?;
+        let mut fitted = judged(&parts, &bounds, &scaled, score, first)?;
         for (i, s) in fitted.strengths.iter_mut().enumerate() {
             *s *= by(i);
         }
@@ -114,7 +117,7 @@ const ROUNDS: usize = 2;
 /// Weighted least-squares values within bounds, and the residuals of each block by values fitted to the others.
 pub fn judged(
     parts: &[Equations],
-    [low, high]: [&[f64]; 2],
+    bounds: &[Bound],
     ties: &[Tie],
     score: &Score,
     first: &[f64; BLOCKS],
@@ -123,7 +126,7 @@ pub fn judged(
     let mut strengths = Vec::new();
     let mut left = [0.0; BLOCKS];
     let summed = |weights: &[f64; BLOCKS]| {
-        let mut sum = Equations::zero(low.len());
+        let mut sum = Equations::zero(bounds.len());
         for (part, weight) in parts.iter().zip(weights) {
             sum.add(part, *weight);
         }
@@ -134,7 +137,7 @@ pub fn judged(
     };
     for _ in 0..ROUNDS {
         let whole = summed(&weights);
-        strengths = whole.solve(low, high)?;
+        strengths = whole.solve(bounds)?;
         left = std::array::from_fn(|b| parts[b].left(&strengths));
         if strengths.iter().any(|s| !s.is_finite()) {
             return None;
@@ -146,7 +149,7 @@ pub fn judged(
     for b in 0..BLOCKS {
         let mut others = whole.clone();
         others.add(&parts[b], -weights[b]);
-        let values = others.solve(low, high)?;
+        let values = others.solve(bounds)?;
         left_out[b] = parts[b].left(&values);
     }
     left_out.iter().all(|x| x.is_finite()).then_some(Fitted {

@@ -24,7 +24,6 @@
 mod actuator;
 mod asked;
 pub mod beam;
-mod bounded;
 mod cutoff;
 pub mod drivetrain;
 mod elsewhere;

@@ -1,11 +1,11 @@
 //! Refines a model's shapes by steps towards the score's least squares, and judges it with its shapes' freedom.
 
-use super::bounded::Equations;
 use super::gram::judged;
 use super::row::{Form, Stage, unit};
 use super::score::{BLOCKS, NU, Score};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{ActsOn, SpecimenData, SpecimenModelFit, Term, late_s};
+use crate::numbers::bounded::Equations;
 use crate::numbers::linear::Bound;
 use crate::numbers::signals::{add_columns, difference};
 use plant::Effect;
@@ -34,6 +34,16 @@ struct Weighed {
     cost: f64,
 }
 
+impl Weighed {
+    /// How far strengths and shapes may move from their present values.
+    fn room(&self, slopes: &[Slope]) -> Vec<Bound> {
+        let own = self.bounds.iter().zip(&self.strengths);
+        let own = own.map(|(bound, strength)| bound.from(*strength));
+        own.chain(slopes.iter().map(|_| Bound::within(MOST_STEP)))
+            .collect()
+    }
+}
+
 /// Change of the response per unit of a shape.
 #[derive(Debug)]
 struct Slope {
@@ -41,15 +51,6 @@ struct Slope {
     which: usize,
     unit: f64,
     column: Vec<f64>,
-}
-
-impl Weighed {}
-
-fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
-    (
-        bounds.iter().map(|b| b.low).collect(),
-        bounds.iter().map(|b| b.high).collect(),
-    )
 }
 
 impl SpecimenData<'_> {
@@ -136,10 +137,9 @@ impl SpecimenData<'_> {
         let columns = self.columns_on(terms, &on);
         let bounds = self.bounds(terms);
         let parts = self.parts(&columns, &self.target);
-        let (low, high) = ends(&bounds);
         let even = std::array::from_fn(|b| 1.0 / score.samples[b].max(1.0));
         let ties = self.ties(|i| self.frees(terms, i));
-        let fitted = judged(&parts, [&low, &high], &ties, score, &even)?;
+        let fitted = judged(&parts, &bounds, &ties, score, &even)?;
         let mut answer = vec![0.0; self.target.len()];
         add_columns(&mut answer, &columns, &fitted.strengths, 1.0);
         let residual = difference(&self.target, &answer);
@@ -237,14 +237,13 @@ impl SpecimenData<'_> {
         slopes: &[Slope],
         score: &Score,
     ) -> Option<(Vec<Term>, Weighed)> {
-        let (low, high) = self.room(here, slopes, MOST_STEP);
         let mut all = here.columns.clone();
         all.extend(slopes.iter().map(|s| s.column.clone()));
         let mut whole = Equations::zero(all.len());
         for (part, weight) in self.parts(&all, &here.residual).iter().zip(here.weights) {
             whole.add(part, weight);
         }
-        let step = whole.solve(&low, &high)?;
+        let step = whole.solve(&here.room(slopes))?;
         let from = here.columns.len();
         for halvings in 0..4 {
             let by = 0.5_f64.powi(halvings);
@@ -268,30 +267,20 @@ impl SpecimenData<'_> {
         None
     }
 
-    /// How far strengths and shapes may move from their present values.
-    fn room(&self, here: &Weighed, slopes: &[Slope], most: f64) -> (Vec<f64>, Vec<f64>) {
-        let own = here.bounds.iter().zip(&here.strengths);
-        let mut low: Vec<f64> = own.clone().map(|(b, s)| b.low - s).collect();
-        let mut high: Vec<f64> = own.map(|(b, s)| b.high - s).collect();
-        low.extend(slopes.iter().map(|_| -most));
-        high.extend(slopes.iter().map(|_| most));
-        (low, high)
-    }
-
     fn concluded(
         &self,
         terms: Vec<Term>,
         here: &Weighed,
         slopes: Vec<Slope>,
     ) -> Option<SpecimenModelFit> {
-        let (low, high) = self.room(here, &slopes, MOST_STEP);
+        let room = here.room(&slopes);
         let mut all = here.columns.clone();
         all.extend(slopes.into_iter().map(|s| s.column));
         let parts = self.parts(&all, &here.residual);
         let mut ties = self.ties(|i| self.frees(&terms, i));
         ties.iter_mut()
             .for_each(|t| t.value -= here.strengths[t.unknown]);
-        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &here.weights)?;
+        let fitted = judged(&parts, &room, &ties, &self.score, &here.weights)?;
         // A parameter within its tolerances is no cause.
         let inside = |t: &Term| {
             let Form::Parameter(i) = self.rows[t.row].form else {

@@ -2,10 +2,11 @@
 //!
 //! From here on the catalogue's effects act on the refitted parameters, as in a model file.
 
-use super::bounded::Equations;
 use super::score::{BLOCKS, EPS, LEAVES_NOISE, NU};
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use super::unknowns::{Freedom, Unknown};
+use crate::numbers::bounded::Equations;
+use crate::numbers::linear::Bound;
 use crate::numbers::signals::difference;
 
 /// Smallest decrease worth another step, as squares relative to one sample's noise variance.
@@ -162,13 +163,12 @@ impl SpecimenData<'_> {
             let by = self.tolerance(tie.unknown).powi(-2);
             whole.pull(tie.unknown, tie.value - here.declared[tie.unknown], by);
         }
-        let ends = |f: &Freedom| match f.unknown {
-            Unknown::Shape(..) => [-MOST_STEP * f.unit, MOST_STEP * f.unit],
-            _ => [f.bound.low - f.value(here), f.bound.high - f.value(here)],
+        let room = |f: &Freedom| match f.unknown {
+            Unknown::Shape(..) => Bound::within(MOST_STEP * f.unit),
+            _ => f.bound.from(f.value(here)),
         };
-        let low: Vec<f64> = freedoms.iter().map(|f| ends(f)[0]).collect();
-        let high: Vec<f64> = freedoms.iter().map(|f| ends(f)[1]).collect();
-        let step = whole.solve(&low, &high)?;
+        let room: Vec<Bound> = freedoms.iter().map(room).collect();
+        let step = whole.solve(&room)?;
         for halvings in 0..6 {
             let by = 0.5_f64.powi(halvings);
             let mut there = here.clone();

@@ -1,6 +1,5 @@
 //! A specimen's channel for the engine: its training data as columns, and a fitted model of it.
 
-use super::bounded::Equations;
 use super::cutoff;
 use super::gram::{Grams, Tie};
 use super::law::table;
@@ -11,6 +10,7 @@ use super::search::{Atom, DECLARED, Search};
 use crate::criteria::CUTOFF_ROOM;
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
+use crate::numbers::bounded::Equations;
 use crate::numbers::linear::{Bound, dot};
 use crate::numbers::signals::{add_columns, add_scaled, averaged, difference_quotient, peak};
 use crate::prepare::{input, noise};

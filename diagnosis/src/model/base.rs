@@ -109,11 +109,12 @@ impl Base {
                 Channel::Specimen => own.max(self.least(f.index)),
                 Channel::Actuator => own,
             };
-            let least = (self.values[f.index] - reach).max(floor);
+            let value = self.values[f.index];
             Bound {
-                low: least - theta[f.index],
-                high: self.values[f.index] + reach - theta[f.index],
+                low: (value - reach).max(floor),
+                high: value + reach,
             }
+            .from(theta[f.index])
         };
         self.free.iter().map(bound).collect()
     }

@@ -29,6 +29,23 @@ impl Bound {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
     };
+
+    /// At most this far from 0.
+    pub const fn within(most: f64) -> Self {
+        Self {
+            low: -most,
+            high: most,
+        }
+    }
+
+    /// How far a value may move.
+    pub fn from(&self, value: f64) -> Self {
+        Self {
+            low: self.low - value,
+            high: self.high - value,
+        }
+    }
+
     /// True if it can hardly differ from 1: the amplitude of something that acts once.
     pub fn is_once(&self) -> bool {
         self.low > 0.5 && self.high < 1.5

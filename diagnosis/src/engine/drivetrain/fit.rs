@@ -401,19 +401,15 @@ impl<'a> ActuatorData<'a> {
     fn room(&self, model: &PartSet, at: &Place) -> Vec<Bound> {
         let declared = (0..DECLARED).map(|i| {
             let [low, high] = self.bound(i, model.moved[i]);
-            Bound {
-                low: low - at.declared[i],
-                high: high - at.declared[i],
-            }
+            Bound { low, high }.from(at.declared[i])
         });
         let columned = at.parts.iter().filter(|p| p.kind.is_column());
-        let amplitudes = columned.zip(&at.amplitudes).map(|(p, a)| Bound {
-            low: if p.kind.is_positive() {
-                -a
-            } else {
-                f64::NEG_INFINITY
-            },
-            high: f64::INFINITY,
+        let amplitudes = columned.zip(&at.amplitudes).map(|(p, a)| {
+            let bound = match p.kind.is_positive() {
+                true => Bound::POSITIVE,
+                false => Bound::FREE,
+            };
+            bound.from(*a)
         });
         let shapes = at.parts.iter().flat_map(|p| {
             (0..p.kind.shapes()).map(|i| {

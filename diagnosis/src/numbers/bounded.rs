@@ -1,7 +1,7 @@
 //! Bounded least squares by an active set, on normal equations of a handful of unknowns. Small and fast: a search needs
 //! it a hundred thousand times.
 
-use crate::numbers::linear::dot;
+use crate::numbers::linear::{Bound, dot};
 use std::ops::Range;
 
 /// Ridge, relative to each unknown's own square: identical columns share their strength.
@@ -84,33 +84,33 @@ impl Equations {
         left.max(0.0)
     }
 
-    /// Least-squares values within `low..=high`; `None` if the equations have no solution.
-    pub fn solve(&self, low: &[f64], high: &[f64]) -> Option<Vec<f64>> {
+    /// Least-squares values within `bounds`; `None` if the equations have no solution.
+    pub fn solve(&self, bounds: &[Bound]) -> Option<Vec<f64>> {
         let n = self.n;
         let mut values = vec![0.0; n];
         let mut free = vec![true; n];
-        for i in 0..n {
+        for (i, Bound { low, high }) in bounds.iter().copied().enumerate() {
             if self.gram[i * n + i] <= 0.0 {
                 free[i] = false;
-                values[i] = 0.0_f64.clamp(low[i].min(high[i]), high[i]);
-            } else if low[i] >= high[i] {
+                values[i] = 0.0_f64.clamp(low.min(high), high);
+            } else if low >= high {
                 free[i] = false;
-                values[i] = low[i];
+                values[i] = low;
             }
         }
         for _ in 0..3 * n + 1 {
             let at: Vec<usize> = (0..n).filter(|i| free[*i]).collect();
             self.solve_free(&at, &mut values)?;
-            let out = |i: usize| (low[i] - values[i]).max(values[i] - high[i]);
+            let out = |i: usize| (bounds[i].low - values[i]).max(values[i] - bounds[i].high);
             let worst = at.iter().copied().filter(|&i| out(i) > 0.0);
             // Relative to the unknown's own size: units differ.
             let size = |i: usize| out(i) * self.gram[i * n + i].sqrt();
             if let Some(i) = worst.max_by(|&a, &b| size(a).total_cmp(&size(b))) {
-                values[i] = values[i].clamp(low[i], high[i]);
+                values[i] = values[i].clamp(bounds[i].low, bounds[i].high);
                 free[i] = false;
                 continue;
             }
-            let Some(i) = self.inward(&free, &values, low, high) else {
+            let Some(i) = self.inward(&free, &values, bounds) else {
                 return Some(values);
             };
             free[i] = true;
@@ -119,14 +119,18 @@ impl Equations {
     }
 
     /// Of the unknowns at a bound, the one whose release reduces the squares most, if any.
-    fn inward(&self, free: &[bool], values: &[f64], low: &[f64], high: &[f64]) -> Option<usize> {
+    fn inward(&self, free: &[bool], values: &[f64], bounds: &[Bound]) -> Option<usize> {
         let n = self.n;
         let least = 1e-9 * self.square.max(0.0);
-        let held = (0..n).filter(|&i| !free[i] && low[i] < high[i]);
+        let held = (0..n).filter(|&i| !free[i] && bounds[i].low < bounds[i].high);
         let fall = |i: usize| {
             let row = &self.gram[i * n..(i + 1) * n];
             let slope = self.right[i] - row.iter().zip(values).map(|(g, v)| g * v).sum::<f64>();
-            let inside = if values[i] <= low[i] { slope } else { -slope };
+            let inside = if values[i] <= bounds[i].low {
+                slope
+            } else {
+                -slope
+            };
             inside.max(0.0).powi(2) / self.gram[i * n + i].max(f64::MIN_POSITIVE)
         };
         held.map(|i| (fall(i), i))
@@ -198,8 +202,11 @@ mod tests {
             square: dot(&y, &y),
             soft: 2,
         };
-        let (low, high) = ([-1.0; 2], [2.0; 2]);
-        let found = equations.solve(&low, &high).unwrap();
+        let within = Bound {
+            low: -1.0,
+            high: 2.0,
+        };
+        let found = equations.solve(&[within; 2]).unwrap();
         let left = equations.left(&found);
         for i in 0..=30 {
             for j in 0..=30 {
@@ -207,9 +214,7 @@ mod tests {
                 assert!(equations.left(&there) >= left - 1e-9);
             }
         }
-        let free = equations
-            .solve(&[f64::NEG_INFINITY; 2], &[f64::INFINITY; 2])
-            .unwrap();
+        let free = equations.solve(&[Bound::FREE; 2]).unwrap();
         assert!(
             (free[0] - 0.5).abs() < 1e-5 && (free[1] - 3.0).abs() < 1e-5,
             "{free:?}"
