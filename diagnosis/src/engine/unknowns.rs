@@ -4,7 +4,7 @@ use super::row::unit;
 use super::score::LEAVES_NOISE;
 use super::search::DECLARED;
 use super::specimen::{SpecimenData, SpecimenModelFit};
-use crate::numbers::linear::{Bound, dot};
+use crate::numbers::linear::{Bound, Factor, gram};
 use crate::numbers::signals::difference_quotient;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -121,26 +121,17 @@ impl SpecimenData<'_> {
 
     /// A fit's response to its unknowns, as weighed; `None` without any, or if they cannot be told apart at all.
     pub fn linearised(&self, fit: &SpecimenModelFit, unknowns: &[Freedom]) -> Option<Linearised> {
-        let n = unknowns.len();
-        if n == 0 {
+        if unknowns.is_empty() {
             return None;
         }
         let (weights, residual) = self.weighed(fit);
         let root: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
         let columns = self.slopes_of(fit, unknowns);
         let columns: Vec<Vec<f64>> = columns.iter().map(|c| product(c, &root)).collect();
-        let size: Vec<f64> = columns
-            .iter()
-            .map(|c| dot(c, c).max(f64::MIN_POSITIVE).sqrt())
-            .collect();
-        let bread = DMatrix::from_fn(n, n, |i, j| {
-            dot(&columns[i], &columns[j]) / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
-        });
         Some(Linearised {
-            inverse: bread.cholesky()?.inverse(),
+            factor: Factor::of(gram(&columns))?,
             residual: product(&residual, &root),
             columns,
-            size,
             root,
             leaves_noise: fit.evidence.left_rms() < LEAVES_NOISE,
         })
@@ -162,10 +153,7 @@ impl SpecimenData<'_> {
 #[derive(Debug)]
 pub struct Linearised {
     columns: Vec<Vec<f64>>,
-    /// The norms of the columns.
-    size: Vec<f64>,
-    /// Of the normal equations of columns with norm 1.
-    inverse: DMatrix<f64>,
+    factor: Factor,
     residual: Vec<f64>,
     /// The roots of the samples' weights.
     root: Vec<f64>,
@@ -176,27 +164,13 @@ impl Linearised {
     /// Step of the unknowns for a change of the data.
     fn step(&self, change: &[f64]) -> DVector<f64> {
         let change = product(change, &self.root);
-        let own = self.columns.iter().zip(&self.size);
-        let pull: Vec<f64> = own.map(|(c, size)| dot(c, &change) / size).collect();
-        let step = &self.inverse * DVector::from_vec(pull);
-        DVector::from_fn(self.size.len(), |i, _| step[i] / self.size[i])
+        self.factor.regression(&self.columns, &change).into()
     }
 
     /// Covariance of the unknowns, from how far segments of the record pull the fit apart.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let (n, size, columns, residual) =
-            (self.size.len(), &self.size, &self.columns, &self.residual);
-        let pulls_of = |segments: usize| {
-            let samples = residual.len();
-            let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-            for k in 0..segments {
-                let (a, b) = (k * samples / segments, (k + 1) * samples / segments);
-                let pull =
-                    DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &residual[a..b]) / size[i]);
-                pulls += &pull * pull.transpose();
-            }
-            pulls
-        };
+        let n = self.columns.len();
+        let pulls_of = |segments: usize| self.factor.pulls(&self.columns, &self.residual, segments);
         let pulls = pulls_of(SEGMENTS);
         let mut most = pulls.diagonal();
         for segments in MORE_SEGMENTS {
@@ -211,9 +185,7 @@ impl Linearised {
         };
         let grow = DVector::from_fn(n, |i, _| grow(i));
         let pulls = DMatrix::from_fn(n, n, |i, j| pulls[(i, j)] * grow[i] * grow[j]);
-        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
-        let all = &self.inverse * pulls * &self.inverse * (SEGMENTS as f64 / free);
-        DMatrix::from_fn(n, n, |i, j| all[(i, j)] / size[i] / size[j])
+        self.factor.covariance(&pulls, SEGMENTS)
     }
 }
 

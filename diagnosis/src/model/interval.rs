@@ -1,7 +1,7 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
 use crate::model::answer::ParameterEstimate;
-use crate::numbers::linear::{dot, gram};
+use crate::numbers::linear::scatter;
 use nalgebra::{DMatrix, DVector};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -39,39 +39,10 @@ pub fn around(
     values.into_iter().enumerate().map(with).collect()
 }
 
-/// Standard deviations of the unknowns of a linear fit from what it leaves, by [`by_segments`] of half a second and more.
+/// Standard deviations of the unknowns of a linear fit from what it leaves, by [`scatter`] of half a second and more.
 pub fn by_blocks(columns: &[Vec<f64>], left: &[f64], interval_s: f64) -> Vec<f64> {
     let block = ((BLOCKS_S[1] / interval_s) as usize).max(4);
-    by_segments(columns, left, (left.len() / block).max(4))
-}
-
-/// Standard deviations of the unknowns of a linear fit from how far segments of what it leaves pull it apart; not known at all
-/// where its columns cannot be told apart.
-pub fn by_segments(columns: &[Vec<f64>], left: &[f64], segments: usize) -> Vec<f64> {
-    let n = columns.len();
-    let size: Vec<f64> = columns
-        .iter()
-        .map(|s| dot(s, s).max(f64::MIN_POSITIVE).sqrt())
-        .collect();
-    let whole = gram(columns);
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        whole[(i, j)] / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
-    });
-    let Some(factor) = scaled.cholesky() else {
-        return vec![f64::INFINITY; n];
-    };
-    let inverse = factor.inverse();
-    let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-    for k in 0..segments {
-        let (a, b) = (k * left.len() / segments, (k + 1) * left.len() / segments);
-        let pull = DVector::from_fn(n, |i, _| dot(&columns[i][a..b], &left[a..b]) / size[i]);
-        pulls += &pull * pull.transpose();
-    }
-    let free = (segments as f64 - n as f64).max(0.5 * segments as f64);
-    let covariance = &inverse * pulls * &inverse * (segments as f64 / free);
-    (0..n)
-        .map(|i| covariance[(i, i)].max(0.0).sqrt() / size[i])
-        .collect()
+    scatter(columns, left, (left.len() / block).max(4))
 }
 
 /// 90 % interval of `rms(before) - rms(after)`, by resampling blocks.

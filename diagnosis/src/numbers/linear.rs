@@ -1,6 +1,6 @@
 //! Least squares with bounds and prior knowledge, for a handful of unknowns.
 
-use crate::numbers::signals::add_scaled;
+use crate::numbers::signals::add_columns;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Normal equations of a least-squares problem.
@@ -145,7 +145,19 @@ pub fn stacked(records: impl IntoIterator<Item = Vec<Vec<f64>>>) -> Vec<Vec<f64>
     all
 }
 
+/// Standard deviations of the unknowns of a linear fit from how far segments of what it leaves pull it apart; not known at all
+/// where its columns cannot be told apart.
+pub fn scatter(columns: &[Vec<f64>], left: &[f64], segments: usize) -> Vec<f64> {
+    let Some(factor) = Factor::of(gram(columns)) else {
+        return vec![f64::INFINITY; columns.len()];
+    };
+    let covariance = factor.covariance(&factor.pulls(columns, left, segments), segments);
+    let variances = covariance.diagonal();
+    variances.iter().map(|v| v.max(0.0).sqrt()).collect()
+}
+
 /// Normal equations, scaled and factored once for many right-hand sides.
+#[derive(Debug)]
 pub struct Factor {
     cholesky: Cholesky<f64, Dyn>,
     scale: Vec<f64>,
@@ -170,13 +182,39 @@ impl Factor {
         })
     }
 
-    /// Adds a signal's regression on `columns` to that signal, times a factor.
-    pub fn add_regression(&self, columns: &[Vec<f64>], signal: &mut [f64], factor: f64) {
+    /// The pulls of as many segments of what a fit of `columns` leaves, squared and added up; of scaled unknowns.
+    pub fn pulls(&self, columns: &[Vec<f64>], left: &[f64], segments: usize) -> DMatrix<f64> {
+        let n = columns.len();
+        let mut all = DMatrix::zeros(n, n);
+        for k in 0..segments {
+            let (from, end) = (k * left.len() / segments, (k + 1) * left.len() / segments);
+            let pull = |i: usize, _| dot(&columns[i][from..end], &left[from..end]) * self.scale[i];
+            let pull = DVector::from_fn(n, pull);
+            all += &pull * pull.transpose();
+        }
+        all
+    }
+
+    /// Covariance of the unknowns, from how far the [`Self::pulls`] of as many segments pull a fit apart.
+    pub fn covariance(&self, pulls: &DMatrix<f64>, segments: usize) -> DMatrix<f64> {
+        let (n, segments) = (self.scale.len(), segments as f64);
+        let free = (segments - n as f64).max(0.5 * segments);
+        let inverse = self.cholesky.inverse();
+        let scaled = &inverse * pulls * &inverse * (segments / free);
+        DMatrix::from_fn(n, n, |i, j| scaled[(i, j)] * self.scale[i] * self.scale[j])
+    }
+
+    /// A signal's regression on `columns`.
+    pub fn regression(&self, columns: &[Vec<f64>], signal: &[f64]) -> Vec<f64> {
         let right = |i: usize, _| dot(&columns[i], signal) * self.scale[i];
         let share = self.cholesky.solve(&DVector::from_fn(columns.len(), right));
-        for (i, column) in columns.iter().enumerate() {
-            add_scaled(signal, column, factor * share[i] * self.scale[i]);
-        }
+        share.iter().zip(&self.scale).map(|(x, s)| x * s).collect()
+    }
+
+    /// Adds a signal's regression on `columns` to that signal, times a factor.
+    pub fn add_regression(&self, columns: &[Vec<f64>], signal: &mut [f64], factor: f64) {
+        let shares = self.regression(columns, signal);
+        add_columns(signal, columns, &shares, factor);
     }
 }
 

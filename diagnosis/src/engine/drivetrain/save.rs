@@ -3,8 +3,8 @@
 use super::fit::{ActuatorData, ActuatorFit, DECLARED};
 use crate::laws::drivetrain::part::{Part, PartKind};
 use crate::laws::drivetrain::signal_path::LEAST_LAG;
-use crate::model::interval;
 use crate::model::{Declared, Model};
+use crate::numbers::linear::scatter;
 use plant::{Channel, Effect, EffectSpec};
 
 /// A parameter by the catalogue: name, unit, value, standard deviation.
@@ -27,7 +27,7 @@ impl ActuatorData<'_> {
     pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
         let mut widest = vec![0.0_f64; fit.slopes.len()];
         for segments in SEGMENTS {
-            let own = interval::by_segments(&fit.slopes, &fit.residual, segments);
+            let own = scatter(&fit.slopes, &fit.residual, segments);
             for (widest, own) in widest.iter_mut().zip(own) {
                 *widest = widest.max(own);
             }
