@@ -73,6 +73,14 @@ impl Equations {
         self.square += weight * value * value;
     }
 
+    /// The same with each unknown held back by a fraction of its own square, as by Levenberg and Marquardt.
+    pub fn damped(&self, damping: f64) -> Self {
+        let mut damped = self.clone();
+        let diagonal = damped.gram.iter_mut().step_by(self.n + 1);
+        diagonal.for_each(|own| *own *= 1.0 + damping);
+        damped
+    }
+
     /// Residual squares at these values.
     pub fn left(&self, values: &[f64]) -> f64 {
         let mut left = self.square;

@@ -4,10 +4,11 @@
 //! white, since the actuator is not quite first-order. So the intervals are not derived from the size of the residual
 //! but from how far segments of the record pull the result apart.
 
-use crate::numbers::signals::{Transfer, deviation, difference, mean, rms};
+use crate::numbers::bounded::Equations;
+use crate::numbers::linear::{self, Bound};
+use crate::numbers::signals::{Transfer, deviation, difference, difference_quotient, mean, rms};
 use crate::record::recording::Recording;
 use crate::record::refusal::Refusal;
-use nalgebra::{Matrix4, Vector4};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::ops::Range;
@@ -99,7 +100,9 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
             nrmse * 100.0
         )));
     }
-    let half = fit.half_widths(&best, &residual);
+    // From the pulls of whole segments instead of independent samples.
+    let scatter = linear::scatter(&fit.slopes(&best), &residual, SEGMENTS);
+    let half: Vec<f64> = scatter.iter().map(|s| T_95 * s).collect();
     let around = |value: f64, half: f64, unit: f64| [(value - half) * unit, (value + half) * unit];
     let time = |value: f64, half: f64| {
         let [low, high] = around(value, half, 1e3);
@@ -202,17 +205,14 @@ impl TransferFit<'_> {
         let (mut best, mut left) = self.with(begin.delay_s, begin.lag_s);
         let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
-            let (normal, slope) = self.normal(&best);
-            let mut damped = normal;
-            for k in 0..4 {
-                damped[(k, k)] *= 1.0 + damping;
-            }
-            let Some(step) = damped.lu().solve(&slope) else {
+            let residual = self.residual(&best);
+            let equations = Equations::of(&self.slopes(&best), &residual, 0..residual.len());
+            let times = [best.delay_s, best.lag_s].map(|time| Bound::POSITIVE.from(time));
+            let bounds = [Bound::FREE, times[0], times[1], Bound::FREE];
+            let Some(step) = equations.damped(damping).solve(&bounds) else {
                 break;
             };
-            let delay_s = (best.delay_s + step[1]).max(0.0);
-            let lag_s = (best.lag_s + step[2]).max(0.0);
-            let (next, leaves) = self.with(delay_s, lag_s);
+            let (next, leaves) = self.with(best.delay_s + step[1], best.lag_s + step[2]);
             if leaves < left {
                 let done = left - leaves < 1e-12 * left;
                 (best, left) = (next, leaves);
@@ -230,67 +230,26 @@ impl TransferFit<'_> {
         best
     }
 
-    /// Derivatives of the response with respect to gain, delay, lag and offset, one vector per sample.
-    fn slopes(&self, model: &Transfer) -> Vec<Vector4<f64>> {
+    /// Derivatives of the response with respect to gain, delay, lag and offset.
+    fn slopes(&self, model: &Transfer) -> Vec<Vec<f64>> {
         let h = 0.25 * self.interval_s;
         let answer = |m: Transfer| m.answer(self.command, self.interval_s);
         // A time cannot be negative: near zero the difference is one-sided.
-        let apart = |low: Transfer, high: Transfer, width_s: f64| -> Vec<f64> {
-            let pairs = answer(low).into_iter().zip(answer(high));
-            pairs.map(|(low, high)| (high - low) / width_s).collect()
+        let by = |time_s: f64, with: &dyn Fn(f64) -> Transfer| {
+            let (low, high) = ((time_s - h).max(0.0), time_s + h);
+            difference_quotient(&answer(with(high)), &answer(with(low)), high - low)
         };
-        let (delay_s, lag_s) = (model.delay_s, model.lag_s);
-        let with_delay = |delay_s| Transfer { delay_s, ..*model };
-        let with_lag = |lag_s| Transfer { lag_s, ..*model };
-        let from = (delay_s - h).max(0.0);
-        let by_delay = apart(
-            with_delay(from),
-            with_delay(delay_s + h),
-            delay_s + h - from,
-        );
-        let from = (lag_s - h).max(0.0);
-        let by_lag = apart(with_lag(from), with_lag(lag_s + h), lag_s + h - from);
+        let by_delay = by(model.delay_s, &|delay_s| Transfer { delay_s, ..*model });
+        let by_lag = by(model.lag_s, &|lag_s| Transfer { lag_s, ..*model });
         let plain = answer(Transfer {
             gain: 1.0,
             offset_mm: 0.0,
             ..*model
         });
-        let at = |i: usize| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0);
-        let judged = (self.settle..plain.len()).zip(&self.judged);
-        judged.filter(|(_, j)| **j).map(|(i, _)| at(i)).collect()
-    }
-
-    fn normal(&self, model: &Transfer) -> (Matrix4<f64>, Vector4<f64>) {
-        let residual = self.residual(model);
-        let slopes = self.slopes(model);
-        let mut normal = Matrix4::zeros();
-        let mut slope = Vector4::zeros();
-        for (s, r) in slopes.iter().zip(&residual) {
-            normal += s * s.transpose();
-            slope += s * *r;
-        }
-        (normal, slope)
-    }
-
-    /// Half widths of the intervals, from the pulls of whole segments instead of independent samples.
-    fn half_widths(&self, model: &Transfer, residual: &[f64]) -> [f64; 4] {
-        let slopes = self.slopes(model);
-        let normal: Matrix4<f64> = slopes.iter().map(|s| s * s.transpose()).sum();
-        let Some(inverse) = normal.try_inverse() else {
-            return [f64::INFINITY; 4];
-        };
-        let length = slopes.len().div_ceil(SEGMENTS);
-        let pulls: Matrix4<f64> = slopes
-            .chunks(length)
-            .zip(residual.chunks(length))
-            .map(|(s, r)| {
-                let pull: Vector4<f64> = s.iter().zip(r).map(|(s, r)| s * *r).sum();
-                pull * pull.transpose()
-            })
-            .sum();
-        let segments = SEGMENTS as f64;
-        let covariance = inverse * pulls * inverse * (segments / (segments - 4.0));
-        std::array::from_fn(|k| T_95 * covariance[(k, k)].max(0.0).sqrt())
+        let one = vec![1.0; plain.len()];
+        [plain, by_delay, by_lag, one]
+            .map(|slope| self.judged(&slope))
+            .to_vec()
     }
 }
 
