@@ -107,32 +107,26 @@ impl ActuatorData<'_> {
     }
 }
 
-/// The parameters of a part in a model file: from its strength and shapes, after a declared gain, lag and offset.
+/// The parameters of a part in a model file: its figures, except where a file is asked for more, or has another measure. From its
+/// strength and shapes, after a declared gain, lag and offset.
 fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'static str, f64)> {
     let [gain, _, lag_s, offset] = *declared;
     let [a, b, c, d] = part.shapes;
-    let width = a * gain.abs();
-    let lag_ms = 1e3 * lag_s;
+    let lag = ("valve_lag_ms", 1e3 * lag_s);
+    let figures = part_figures(part, [strength, 0.0], [0.0; 4], declared);
+    let mut all: Vec<_> = figures.iter().map(|f| (f.0, f.2)).collect();
     match part.kind {
-        PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
-        PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
-        PartKind::TwoSpeeds => vec![("flow_difference", a)],
-        PartKind::OilColumn if c == 0.0 => vec![("frequency_hz", a), ("damping_ratio", b)],
-        PartKind::OilColumn => vec![
-            ("frequency_hz", a),
-            ("damping_ratio", b),
-            ("damping_s_per_mm", c / gain.abs()),
-        ],
-        PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
-        PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
+        PartKind::Overlap => vec![("overlap_mm", a), lag],
+        PartKind::FlowLimit => vec![("opening_mm", a), lag],
         PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
-        PartKind::Slew => vec![("rate_mm_per_s", width)],
-        PartKind::Load | PartKind::Sag => Vec::new(),
-        PartKind::Play => vec![("width_mm", width)],
-        // After gain and offset, as in a model file.
-        PartKind::DeadBand => {
-            vec![("width_mm", width), ("middle_mm", b * gain + offset)]
-        }
+        PartKind::Seal => vec![("oil_bend_mm", a), ("presliding_mm", b), lag],
+        PartKind::StickySeal => vec![
+            ("oil_bend_mm", a),
+            ("presliding_mm", b),
+            ("rest_ratio", c),
+            ("stribeck_mm_per_s", d),
+            lag,
+        ],
         PartKind::Stops => {
             let mut all = vec![("lower_mm", a), ("upper_mm", b)];
             if c > 0.0 {
@@ -140,38 +134,17 @@ fn saved(part: &Part, strength: f64, declared: &[f64; DECLARED]) -> Vec<(&'stati
             }
             all
         }
-        PartKind::Friction if b == 0.0 => {
-            vec![("error_mm", strength), ("presliding_mm", width)]
+        // After gain and offset, as in a model file.
+        PartKind::DeadBand => {
+            all.push(("middle_mm", b * gain + offset));
+            all
         }
-        PartKind::Friction => vec![
-            ("error_mm", strength),
-            ("presliding_mm", width),
-            ("roundness", b),
-        ],
-        PartKind::Seal => vec![
-            ("oil_bend_mm", a),
-            ("presliding_mm", b),
-            ("valve_lag_ms", lag_ms),
-        ],
-        PartKind::StickySeal => vec![
-            ("oil_bend_mm", a),
-            ("presliding_mm", b),
-            ("rest_ratio", c),
-            ("stribeck_mm_per_s", d),
-            ("valve_lag_ms", lag_ms),
-        ],
-        PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength)],
-        // The library counts half of it in the gain, and has no separate lag for the return.
-        PartKind::SideGain => vec![("difference", strength / gain)],
-        PartKind::Drift => vec![("rate_mm_per_s", strength / a), ("time_constant_s", a)],
-        PartKind::GainDrift if b == 0.0 => {
-            vec![("change", strength / gain), ("time_constant_s", a)]
+        PartKind::Friction if b > 0.0 => {
+            all.push(("roundness", b));
+            all
         }
-        PartKind::GainDrift => vec![
-            ("change", strength / gain),
-            ("time_constant_s", a),
-            ("own_heat_per_mm2", b / gain.powi(2)),
-        ],
+        // A file counts half of a difference of the sides in the gain, and has no separate lag for the return.
+        _ => all,
     }
 }
 
