@@ -47,7 +47,7 @@ impl SpecimenData<'_> {
         let cutoff_hz = ladder.lowest(CUTOFF_ROOM)?;
         let cut = ladder.lowest(MOTION_CUT)? > ELSEWHERE * self.cutoff_hz;
         let noisy = cutoff_hz * ELSEWHERE < self.cutoff_hz;
-        let again = || Self::below(cutoff_hz, self.base, self.moving.clone(), self.told);
+        let again = || Self::below(cutoff_hz, self.base, self.moving.clone(), self.motion_has);
         // A term is a place in the table of laws.
         let same_laws = |other: &Self| other.rows.len() == self.rows.len();
         (cut || noisy).then(again).flatten().filter(same_laws)

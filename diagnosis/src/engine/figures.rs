@@ -181,7 +181,7 @@ impl Figures<'_, '_> {
         };
         let mut terms: Vec<_> = self.fit.terms.iter().zip(&self.fit.strengths).collect();
         // Those of a file act one after the other.
-        terms.sort_by_key(|(t, _)| self.data.rows[t.row].stage());
+        terms.sort_by_key(|(t, _)| self.data.rows[t.row].point_of_action());
         for (term, strengths) in terms {
             let Form::Effect(c) = self.data.rows[term.row].form else {
                 continue;

@@ -1,7 +1,7 @@
 //! Refines a model's shapes by steps towards the score's least squares, and judges it with its shapes' freedom.
 
 use super::gram::judged;
-use super::row::{Form, Stage, unit};
+use super::row::{Form, PointOfAction, unit};
 use super::score::{BLOCKS, NU, Score};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{ActsOn, SpecimenData, SpecimenModelFit, Term, late_s};
@@ -89,12 +89,13 @@ impl SpecimenData<'_> {
         }
     }
 
-    /// Number of strengths of a term; a stage has none.
+    /// Number of strengths of a term; a delay has none.
     fn strengths_of(&self, term: &Term) -> usize {
-        if self.is_stage(term) {
+        let row = &self.rows[term.row];
+        if row.is_delay() {
             return 0;
         }
-        self.rows[term.row].bounds(&self.sizes, term.shape).len()
+        row.bounds(&self.sizes, term.shape).len()
     }
 
     /// How often a model is fitted again, with its effects acting on the values of the fit before.
@@ -162,7 +163,7 @@ impl SpecimenData<'_> {
         // What a range lets pass changes with all terms.
         let has_range = terms
             .iter()
-            .any(|t| self.rows[t.row].stage() == Stage::Range);
+            .any(|t| self.rows[t.row].point_of_action() == PointOfAction::Range);
         let mut all = Vec::new();
         let mut at = DECLARED;
         for (i, term) in terms.iter().enumerate() {
@@ -175,7 +176,7 @@ impl SpecimenData<'_> {
                 let step = STEP * unit.max(1e-12);
                 let mut moved = terms.to_vec();
                 moved[i].shape[which] += step;
-                let column = if self.is_stage(term) || row.acts_on_the_whole_force() || has_range {
+                let column = if row.is_delay() || row.acts_on_the_whole_force() || has_range {
                     let there = self.columns_on(&moved, &here.on);
                     self.change(&there, &here.columns, &here.strengths, step / unit)
                 } else {
@@ -185,7 +186,7 @@ impl SpecimenData<'_> {
                     let there = self.stacked(|m| {
                         m.columns(row, moved[i].shape, &self.sizes, &here.on.declared, None)
                     });
-                    let there = self.staged(there, terms);
+                    let there = self.delayed(there, terms);
                     self.change(
                         &there,
                         &here.columns[own.clone()],
@@ -204,8 +205,8 @@ impl SpecimenData<'_> {
         all
     }
 
-    /// Columns passed through a model's stage, to first order in one sample: a stage delays by a fixed time.
-    fn staged(&self, columns: Vec<Vec<f64>>, terms: &[Term]) -> Vec<Vec<f64>> {
+    /// Columns passed through a model's delay, to first order in one sample.
+    fn delayed(&self, columns: Vec<Vec<f64>>, terms: &[Term]) -> Vec<Vec<f64>> {
         let Some(late_s) = late_s(&self.rows, terms) else {
             return columns;
         };

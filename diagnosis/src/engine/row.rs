@@ -22,7 +22,7 @@ pub enum Form {
 
 /// Where a law acts between specimen and record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
+pub enum PointOfAction {
     /// A force of the specimen, or one beside it.
     Force,
     /// A fraction of the whole force.
@@ -144,23 +144,31 @@ impl Row {
 
     /// Where it acts, in order: the forces, a calibration or a frame that changes them all, the range of what reads them, and
     /// hum that its cable picks up.
-    pub fn stage(&self) -> Stage {
+    pub fn point_of_action(&self) -> PointOfAction {
         match self.form {
             Form::Effect(c) => match c.effect {
                 Effect::GainError | Effect::RigCompliance | Effect::TemperatureGain => {
-                    Stage::Calibration
+                    PointOfAction::Calibration
                 }
-                Effect::Saturation => Stage::Range,
-                Effect::MainsHum => Stage::Cable,
-                _ => Stage::Force,
+                Effect::Saturation => PointOfAction::Range,
+                Effect::MainsHum => PointOfAction::Cable,
+                _ => PointOfAction::Force,
             },
-            Form::Element(_) | Form::Parameter(_) => Stage::Force,
+            Form::Element(_) | Form::Parameter(_) => PointOfAction::Force,
         }
     }
 
     /// True for an effect that acts on the force of all before it, as in a saved model.
     pub fn acts_on_the_whole_force(&self) -> bool {
-        matches!(self.stage(), Stage::Calibration | Stage::Range)
+        matches!(
+            self.point_of_action(),
+            PointOfAction::Calibration | PointOfAction::Range
+        )
+    }
+
+    /// True for a delay: it has no force of its own, and all others pass through it.
+    pub fn is_delay(&self) -> bool {
+        matches!(self.form, Form::Effect(c) if c.stage.is_some())
     }
 
     /// True if it is a spring whose stiffness depends on the displacement.
@@ -225,7 +233,7 @@ impl Row {
         self.name(shape, 1.0, sizes).entry().family
     }
 
-    /// Bounds of its strengths; a stage has none.
+    /// Bounds of its strengths.
     pub fn bounds(&self, sizes: &Sizes, shape: [f64; 4]) -> Vec<Bound> {
         match self.form {
             Form::Parameter(_) => Vec::new(),

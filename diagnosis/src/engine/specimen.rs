@@ -4,7 +4,7 @@ use super::cutoff;
 use super::gram::{Grams, Tie};
 use super::law::table;
 use super::motion::{Motion, sizes};
-use super::row::{Form, Row, Sizes, Stage};
+use super::row::{Form, PointOfAction, Row, Sizes};
 use super::score::{Evidence, Score, edges};
 use super::search::{Atom, DECLARED, Search};
 use crate::criteria::CUTOFF_ROOM;
@@ -94,8 +94,8 @@ pub struct SpecimenData<'a> {
     /// The records without their rests.
     pub moving: Vec<Recording>,
     motions: Vec<Motion>,
-    /// True if each record has a rest; if they have one speed.
-    pub told: [bool; 2],
+    /// Whether each record has a rest, and whether the motion has one speed.
+    pub motion_has: [bool; 2],
     /// Reference sizes for all quantities.
     pub sizes: Sizes,
     /// The law table.
@@ -126,7 +126,7 @@ impl<'a> SpecimenData<'a> {
         cutoff_hz: f64,
         base: &'a Base,
         moving: Vec<Recording>,
-        told @ [rests, one_speed]: [bool; 2],
+        motion_has @ [rests, one_speed]: [bool; 2],
     ) -> Option<Self> {
         let sources = spans(&moving)?;
         let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
@@ -149,7 +149,7 @@ impl<'a> SpecimenData<'a> {
             base,
             moving,
             motions,
-            told,
+            motion_has,
             sizes,
             every,
             cutoff_hz,
@@ -251,7 +251,7 @@ impl<'a> SpecimenData<'a> {
         (atoms, found)
     }
 
-    /// Columns of a model whose effects act on these values, declared ones first, all passed through a stage if its terms have
+    /// Columns of a model whose effects act on these values, declared ones first, all passed through a delay if its terms have
     /// one.
     pub fn columns_on(&self, terms: &[Term], on: &ActsOn) -> Vec<Vec<f64>> {
         self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes, on))
@@ -278,7 +278,7 @@ impl<'a> SpecimenData<'a> {
         let mut all: Vec<Bound> = (0..DECLARED)
             .map(|i| declared[i][usize::from(self.frees(terms, i))])
             .collect();
-        for t in terms.iter().filter(|t| !self.is_stage(t)) {
+        for t in terms.iter().filter(|t| !self.rows[t.row].is_delay()) {
             all.extend(self.rows[t.row].bounds(&self.sizes, t.shape));
         }
         all
@@ -302,10 +302,6 @@ impl<'a> SpecimenData<'a> {
             let row = &self.rows[t.row];
             matches!(row.form, Form::Parameter(p) if p == parameter) || row.frees == Some(parameter)
         })
-    }
-
-    pub fn is_stage(&self, term: &Term) -> bool {
-        matches!(self.rows[term.row].form, Form::Effect(c) if c.stage.is_some())
     }
 
     /// Products of columns, block by block.
@@ -390,7 +386,9 @@ impl<'a> SpecimenData<'a> {
     pub fn with_a_range(&self, fit: &SpecimenModelFit) -> Vec<Vec<Term>> {
         let end = REACHED * peak(&self.target);
         // Those that end equally far on both sides.
-        let is_range = |r: &Row| r.stage() == Stage::Range && r.grid.iter().all(|s| s[1] >= 0.0);
+        let is_range = |r: &Row| {
+            r.point_of_action() == PointOfAction::Range && r.grid.iter().all(|s| s[1] >= 0.0)
+        };
         let rows = (0..self.rows.len()).filter(|i| is_range(&self.rows[*i]));
         let ranges = rows.filter_map(|row| {
             let mut shape = *self.rows[row].grid.last()?;
@@ -412,8 +410,8 @@ impl<'a> SpecimenData<'a> {
     pub fn is_alone(&self, fit: &SpecimenModelFit, term: usize) -> bool {
         let mut strengths = vec![0.0; DECLARED];
         for (i, own) in fit.strengths.iter().enumerate() {
-            let stage = |i: usize| self.rows[fit.terms[i].row].stage();
-            let before = i != term && stage(i) <= stage(term);
+            let at = |i: usize| self.rows[fit.terms[i].row].point_of_action();
+            let before = i != term && at(i) <= at(term);
             strengths.extend(own.iter().map(|s| if before { *s } else { 0.0 }));
         }
         let mut others = vec![0.0; self.target.len()];
@@ -458,11 +456,11 @@ pub fn spans(records: &[Recording]) -> Option<Vec<UnfilteredSpan<'_>>> {
 
 /// Delay of the force, s, if a term gives one.
 pub fn late_s(rows: &[Row], terms: &[Term]) -> Option<f64> {
-    let stage = |t: &&Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
-    terms.iter().find(stage).map(|t| t.shape[0])
+    let delay = terms.iter().find(|t| rows[t.row].is_delay());
+    delay.map(|t| t.shape[0])
 }
 
-/// Columns of a model over a motion, declared ones first; a stage has no column but delays all others.
+/// Columns of a model over a motion, declared ones first; a delay has no column but all others pass through it.
 pub fn model_columns(
     m: &Motion,
     rows: &[Row],
@@ -470,11 +468,10 @@ pub fn model_columns(
     sizes: &Sizes,
     on: &ActsOn,
 ) -> Vec<Vec<f64>> {
-    let is_stage = |t: &Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
     // They act one after the other; the columns keep the order of the terms.
     let mut acting: Vec<(usize, &Term)> = terms.iter().enumerate().collect();
-    acting.retain(|(_, t)| !is_stage(t));
-    acting.sort_by_key(|(_, t)| rows[t.row].stage());
+    acting.retain(|(_, t)| !rows[t.row].is_delay());
+    acting.sort_by_key(|(_, t)| rows[t.row].point_of_action());
     let mut declared = m.declared();
     let mut own: Vec<Vec<Vec<f64>>> = vec![Vec::new(); terms.len()];
     let sums = acting
@@ -491,7 +488,7 @@ pub fn model_columns(
         };
         let mut before = others.clone();
         add_columns(others, &columns, strengths, 1.0);
-        if row.stage() == Stage::Range {
+        if row.point_of_action() == PointOfAction::Range {
             // What it lets pass of each force: the columns are the slopes of what is read.
             let step = PASSES_STEP * sizes.scales.base;
             let more: Vec<f64> = before.iter().map(|f| f + step).collect();
