@@ -85,6 +85,15 @@ pub fn commission<P: Port>(
     Ok(played)
 }
 
+/// Who ends a signal that is played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// The signal itself, or the board's button.
+    Playing,
+    /// A person at the PC, who has stopped it: the board is on its way to rest.
+    StoppedByHand,
+}
+
 /// One actuator that moves while the others stand still.
 struct SingleActuator {
     actuator: usize,
@@ -227,24 +236,27 @@ impl SingleActuator {
         observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
         let started = event(board, Event::Start)?;
-        let mut stopped = false;
+        let mut phase = Phase::Playing;
         let mut played = Played::new();
         let mut begin = None;
-        let (early, finished) = loop {
-            if interrupt::asked() && !std::mem::replace(&mut stopped, true) {
+        let early = loop {
+            if phase == Phase::Playing && interrupt::asked() {
                 // Refused only by a board that has already ended the signal, and then the telemetry says how.
                 let _ = event(board, Event::Stop);
+                phase = Phase::StoppedByHand;
             }
             let (tick, step) = match self.step(board) {
                 Ok(Some(step)) => step,
                 Ok(None) => continue,
-                Err(lost) => break (Some(lost.to_string()), false),
+                Err(lost) => break Some(lost.to_string()),
             };
             let record = self.record(tick, &step);
             observer.on_step(&(&record).into());
-            if let Some(asked) = observer.requested_event() {
-                // Refused only by a board that has already ended the signal.
-                stopped |= event(board, asked).is_ok();
+            // Refused only by a board that has already ended the signal.
+            if let Some(asked) = observer.requested_event()
+                && event(board, asked).is_ok()
+            {
+                phase = Phase::StoppedByHand;
             }
             match step.mode() {
                 Some(Mode::Commissioning) => {
@@ -255,23 +267,20 @@ impl SingleActuator {
                     self.readings.add_step(&self.identity, &step);
                 }
                 Some(Mode::Finished) => {
-                    let by_hand = stopped.then(|| Played::BY_HAND.to_owned());
-                    let steps = tick.wrapping_sub(started) as usize;
-                    break (by_hand.or_else(|| self.cut_short(steps)), true);
+                    let early = match phase {
+                        Phase::Playing => self.cut_short(tick.wrapping_sub(started) as usize),
+                        Phase::StoppedByHand => Some(Played::BY_HAND.to_owned()),
+                    };
+                    let rest = self.come_to_rest(board);
+                    break rest
+                        .unwrap_or_else(|failure| Some(failure.to_string()))
+                        .or(early);
                 }
-                Some(Mode::Tripped) => break (Some(self.tripped(board, step.fault())), false),
+                Some(Mode::Tripped) => break Some(self.tripped(board, step.fault())),
                 _ => {}
             }
         };
-        let rest = match finished {
-            true => self.come_to_rest(board),
-            false => Ok(None),
-        };
-        let rest = rest.unwrap_or_else(|failure| Some(failure.to_string()));
-        Ok(Played {
-            early: rest.or(early),
-            ..played
-        })
+        Ok(Played { early, ..played })
     }
 
     /// The reason, if the signal had fewer steps than planned.
