@@ -130,8 +130,8 @@ fn a_test_whose_load_cell_is_off_by_a_kilonewton_is_not_started() {
     assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
 }
 
-/// From a fifth review: what is judged is the force that the loop integrates. An offset left in the test file after the cell was
-/// zeroed moves the structure as an offset of the cell does; one that matches the cell's moves nothing.
+/// What is judged is the force that the loop integrates. An offset left in the test file after the cell was zeroed moves the
+/// structure as an offset of the cell does; one that matches the cell's moves nothing.
 #[test]
 fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is_read() {
     let (far_m, reply) = started_on(None, Some(1000.0));
@@ -152,8 +152,8 @@ fn a_test_is_started_by_the_force_that_its_loop_takes_and_not_by_the_one_that_is
     assert!((far_m - plan_m).abs() < 1e-4, "{far_m} m of {plan_m}");
 }
 
-/// From a fifth review: the piston's position when the contact closes is computed from what the test declares of the rig, and a
-/// wrong figure causes a jump. A wrong command offset cannot be noticed beforehand.
+/// The piston's position when the contact closes is computed from what the test declares of the rig, and a wrong figure
+/// causes a jump. A wrong command offset cannot be noticed beforehand.
 #[test]
 fn a_command_that_is_declared_millimetres_off_is_refused() {
     let mut desk = single(USUAL, None, 0, 0.0, &stated());

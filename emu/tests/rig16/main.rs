@@ -15,7 +15,7 @@ mod converters;
 mod crashes;
 #[path = "../rig/desk.rs"]
 mod desk;
-mod fourth_reading;
+mod further_faults;
 #[path = "../rig/inputs.rs"]
 mod inputs;
 #[path = "../rig/limits_and_link.rs"]

@@ -33,12 +33,12 @@ pub struct Mutant {
     pub test: String,
 }
 
-/// An image without the fix of a review finding, `emu/mutants.toml`, and the scenario of the emulated rig that fails on it.
+/// An image that lacks one safeguard, `emu/mutants.toml`, and the scenario of the emulated rig that fails on it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WithoutMend {
-    /// The finding's letter.
-    pub finding: String,
+    /// What the safeguard is for, a section of `docs/firmware-safeguards.md`.
+    pub subject: String,
     /// What is missing.
     pub name: String,
     /// The image that is built without it.
@@ -47,7 +47,7 @@ pub struct WithoutMend {
     pub target: String,
     /// The test, with its module.
     pub test: String,
-    /// The edits that remove the fix.
+    /// The edits that remove the safeguard.
     pub edits: Vec<Edit>,
 }
 
@@ -108,7 +108,7 @@ pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Mutant>, String> {
     Ok(mutants)
 }
 
-/// The list of images without a fix.
+/// The list of images that lack a safeguard.
 ///
 /// # Errors
 /// Why it cannot be read, a sentence.

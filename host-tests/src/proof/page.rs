@@ -274,5 +274,5 @@ test on both. A mutant leads each pair to each of the modes that it does not lea
 What has a reason in place of a test: a limit that *only tells* changes no command; the least energy is *part of another* limit,
 `energy_trip`.
 `scripts/mutants` makes each mutant and runs its test, which has to fail (nightly).
-The single wrong registers that the images are tried with stand in [firmware-findings.md](firmware-findings.md).
+[Images with a wrong register, and images that lack a safeguard](firmware-validation.md#wrong-registers) are on a page of their own.
 ";

@@ -23,16 +23,15 @@ fn the_page_is_what_the_code_and_the_tests_say() {
 }
 
 #[test]
-fn each_mend_of_the_review_can_be_taken_out_of_an_image_and_the_findings_say_which_scenario_sees_it()
- {
+fn each_safeguard_can_be_taken_out_of_an_image_and_a_page_says_which_scenario_sees_it() {
     let mutants = without_mends(&top()).unwrap();
     assert_eq!(misfits_of_images(&top(), &mutants), [""; 0]);
-    let page = std::fs::read_to_string(top().join("docs/firmware-findings.md")).unwrap();
+    let page = std::fs::read_to_string(top().join("docs/firmware-validation.md")).unwrap();
     let rows: Vec<String> = mutants
         .iter()
         .map(|m| {
             let scenario = m.test.rsplit("::").next().unwrap_or(&m.test);
-            format!("| {} | {} | `{scenario}` |", m.finding, m.name)
+            format!("| {} | {} | `{scenario}` |", m.subject, m.name)
         })
         .collect();
     let there: Vec<&str> = page
@@ -41,10 +40,24 @@ fn each_mend_of_the_review_can_be_taken_out_of_an_image_and_the_findings_say_whi
         .collect();
     assert_eq!(
         there, rows,
-        "docs/firmware-findings.md lists them in their order"
+        "docs/firmware-validation.md lists them in their order"
     );
-    // D and E are answered on a page, F on a PC.
-    for finding in ["A", "B", "C", "G", "H", "I", "J"] {
-        assert!(mutants.iter().any(|m| m.finding == finding), "{finding}");
+    let sections = std::fs::read_to_string(top().join("docs/firmware-safeguards.md")).unwrap();
+    for mutant in &mutants {
+        let heading = format!("\n## {}", mutant.subject);
+        let known = sections.to_lowercase().contains(&heading.to_lowercase());
+        assert!(known, "docs/firmware-safeguards.md: {}", mutant.subject);
+    }
+    for subject in [
+        "arming",
+        "PERMIT",
+        "period",
+        "converters",
+        "sensors",
+        "motion",
+        "memory",
+    ] {
+        let listed = mutants.iter().any(|m| m.subject == subject);
+        assert!(listed, "emu/mutants.toml: {subject}");
     }
 }
