@@ -25,7 +25,8 @@ struct Arguments {
     /// Print each flip on a line of its own, with its number, on standard error
     #[arg(long)]
     each: bool,
-    /// Fail if more flips than this are dangerous
+    /// Exit with 1 if more flips than this number are dangerous, or if no flip of a core register reset the board: then they hit
+    /// nothing in use; left out: the table is printed and nothing fails
     #[arg(long)]
     at_most: Option<usize>,
     /// Only the flip with this number, from 0
