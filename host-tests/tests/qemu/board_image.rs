@@ -33,8 +33,8 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
 /// of it is three sizes of loop with each method, each with its design in double precision.
 ///
 /// Images without the loop for two coupled actuators also decode such a test and refuse it in a sentence: 6 KiB more in
-/// each, 370 and 373. PERMIT read back and the load cell's checks took 2; limits that must be able to
-/// act, each with its sentence, 6, for 378 and 381.
+/// each, 370 and 373. PERMIT read back and the load cell's checks took 2; limits that must be able to act, each with its
+/// sentence, 6, for 378 and 381.
 const MOST_FLASH: u64 = 384 * 1024;
 
 /// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: another 42 KiB,
