@@ -4,9 +4,11 @@ mod by_engine;
 mod channel;
 mod corners;
 pub mod coupled;
+mod decision;
 pub mod dial;
 mod expected_error;
 mod found;
+mod heard;
 mod held_out;
 mod hum;
 mod in_question;
@@ -24,10 +26,11 @@ use crate::model::answer::*;
 use crate::model::base::Base;
 use crate::prepare::fit::settle;
 use crate::prepare::problem::Problem;
-use crate::prepare::{advice, anomalies, input, plausible, wear};
+use crate::prepare::{advice, anomalies, plausible, wear};
 use crate::record::recording::Recording;
 use crate::record::refusal::Refusal;
 use channel::ChannelDiagnosis;
+use heard::Heard;
 use plant::Channel;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -103,11 +106,14 @@ pub fn diagnose(
             test,
             rest,
             whole: None,
+            hum: None,
         };
-        let declared = improved.clone();
-        let mut answer = channel.judge(&mut improved);
-        channel.check_none_on_held_out(&mut answer);
-        let smooth = channel.away_from_corners(&mut answer, &declared, &mut improved);
+        let mut heard = channel.judge(&improved);
+        if let Some(smooth) = channel.away_from_corners(&heard, &improved) {
+            heard = smooth;
+        }
+        improved = heard.model.clone();
+        let smooth = heard.smooth.take();
         let [train, test] = smooth
             .as_ref()
             .map_or([train, test], |[train, test]| [train, test]);
@@ -116,23 +122,7 @@ pub fn diagnose(
             test,
             ..channel
         };
-        noise_floor::limit_floor(&mut answer, f64::INFINITY);
-        let lines = channel.lines_in_place_of_noise(&mut answer);
-        channel.analyse_residual(&mut answer, lines);
-        channel.note_disturbances(&mut answer);
-        channel.note_low_coherence(&mut answer);
-        channel.note_moving_rest(&mut answer);
-        let mut deficiencies = input::deficiencies(&channel.base, train);
-        deficiencies.extend(input::damages(&answer, train));
-        deficiencies.extend(wear::deficiency(&answer, train));
-        input::widen(&mut answer, &deficiencies);
-        refit::state_probabilities(&mut answer);
-        channel.state_refit(&mut answer, &mut improved);
-        channel.save_nearest(&answer, &mut improved);
-        // Hum, converter steps or a disturbance in addition mean that the channel is not merely ordinary.
-        answer.ordinary &= answer.verdict == Verdict::None;
-        correct_errors(&mut answer, train, test);
-        channels.push(answer);
+        channels.push(channel.described(heard, &mut improved));
     }
     let mut remarks: Vec<String> = [train, test]
         .into_iter()
@@ -210,46 +200,59 @@ impl ChannelDiagnosis<'_> {
         }
     }
 
+    /// Describes an answer: what is left of it, its refitted parameters, their intervals and errors.
+    fn described(&self, mut heard: Heard, improved: &mut Model) -> ChannelAnswer {
+        noise_floor::limit_floor(&mut heard.answer, f64::INFINITY);
+        self.analyse_residual(&mut heard);
+        let mut answer = heard.answer;
+        self.note_disturbances(&mut answer);
+        self.note_low_coherence(&mut answer);
+        self.note_moving_rest(&mut answer);
+        self.state_refit(&mut answer, improved);
+        self.save_nearest(&answer, improved);
+        correct_errors(&mut answer, self.train, self.test);
+        answer
+    }
+
     /// The records as seen by this channel.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
         Problem::new(&self.base, records, cutoff_hz, &[])
     }
 
-    /// Like [`assess`](Self::assess), unless the output sits at a rail that would be mistaken for another effect.
-    fn judge(&self, improved: &mut Model) -> ChannelAnswer {
-        let mut with = improved.clone();
-        let mut answer = self.assess(&mut with);
-        let mut quiet = improved.clone();
-        if let Some(beside) = self.beside_hum(&answer, &mut quiet) {
-            (answer, with) = (beside, quiet);
+    /// The decision on the channel: without hum, if it is much of what an answer leaves; none if the output sits at a rail
+    /// that would be mistaken for another effect.
+    fn judge(&self, model: &Model) -> Heard {
+        let mut heard = self.assess(model);
+        if let Some(beside) = self.beside_hum(&heard.answer, model) {
+            heard = beside;
         }
-        if let Some(why) = self.rail(&answer) {
-            return self.not_assessed(why);
+        match self.rail(&heard.answer) {
+            Some(why) => Heard::unchanged(self.not_assessed(why), model),
+            None => heard,
         }
-        *improved = with;
-        answer
     }
 
-    fn assess(&self, improved: &mut Model) -> ChannelAnswer {
+    fn assess(&self, model: &Model) -> Heard {
+        let without = |answer| Heard::unchanged(answer, model);
         if let Some(why) = self.obstacle() {
-            return self.not_assessed(why);
+            return without(self.not_assessed(why));
         }
         let cutoff_hz = self.cutoff_hz();
         let Some(problem) = self.problem(self.train, cutoff_hz) else {
-            return self.not_assessed("a signal is missing");
+            return without(self.not_assessed("a signal is missing"));
         };
         let Some(noise) = self.noise(cutoff_hz) else {
-            return self.errors_without_verdict(&problem, cutoff_hz);
+            return without(self.errors_without_verdict(&problem, cutoff_hz));
         };
         let settled = settle(&problem, &self.base, &noise);
         let steps = |s: &Problem| self.is_quantisation_only(s, &noise);
         if let Some(settled) = settled.filter(steps) {
-            return self.nothing_but_steps(&settled, &noise, cutoff_hz);
+            return self.nothing_but_steps(&settled, &noise, cutoff_hz, model);
         }
         let answer = match self.base.channel {
-            Channel::Specimen => self.specimen_by_engine(improved),
-            Channel::Actuator => self.actuator_by_engine(noise, improved),
+            Channel::Specimen => self.specimen_by_engine(model),
+            Channel::Actuator => self.actuator_by_engine(noise, model),
         };
-        answer.unwrap_or_else(|| self.errors_without_verdict(&problem, cutoff_hz))
+        answer.unwrap_or_else(|| without(self.errors_without_verdict(&problem, cutoff_hz)))
     }
 }

@@ -1,5 +1,6 @@
 //! A channel and the records used to judge it.
 
+use crate::model::answer::{ChannelAnswer, FoundEffect};
 use crate::model::base::Base;
 use crate::record::recording::Recording;
 use plant::Channel;
@@ -16,6 +17,16 @@ pub struct ChannelDiagnosis<'a> {
     pub rest: &'a [Recording],
     /// The same with all samples, if some of the above count as not measured: the noise is read from it.
     pub whole: Option<&'a ChannelDiagnosis<'a>>,
+    /// The hum that was taken off the displacement of the above.
+    pub hum: Option<Hum<'a>>,
+}
+
+/// Mains hum in a reading.
+pub struct Hum<'a> {
+    /// Its name and figures.
+    pub effect: FoundEffect,
+    /// The answer of which it is what was left.
+    pub with: &'a ChannelAnswer,
 }
 
 impl ChannelDiagnosis<'_> {

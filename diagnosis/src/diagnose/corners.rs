@@ -1,6 +1,7 @@
 //! Corners of the motion: there damping and mass respond to what the sampled displacement does not show.
 
 use super::channel::ChannelDiagnosis;
+use super::heard::Heard;
 use crate::criteria::BAND_ROOM;
 use crate::criteria::specimen::{CORNER, LEFT_AT_CORNERS, MOST_CORNERS, MOST_CORNERS_HELD_OUT};
 use crate::model::Model;
@@ -37,17 +38,11 @@ struct Left {
 }
 
 impl ChannelDiagnosis<'_> {
-    /// If what an `unknown` or `partial` answer leaves stands at corners of the motion, judges the record without them. The
-    /// second answer replaces the first if its model accounts for all other samples, held-out ones too; then returns the
-    /// records with their corners marked as not measured. `declared`: the model without what the first answer has found.
-    pub(super) fn away_from_corners(
-        &self,
-        answer: &mut ChannelAnswer,
-        declared: &Model,
-        improved: &mut Model,
-    ) -> Option<[Vec<Recording>; 2]> {
-        let open = matches!(answer.verdict, Verdict::Unknown | Verdict::Partial);
-        if self.base.channel != Channel::Specimen || !open {
+    /// If what an `unknown` or `partial` answer leaves stands at corners of the motion, judges the record without them: the
+    /// answer, if its model accounts for all other samples, held-out ones too. `model`: without what the first answer has found.
+    pub(super) fn away_from_corners(&self, heard: &Heard, model: &Model) -> Option<Heard> {
+        let open = matches!(heard.found, Verdict::Unknown | Verdict::Partial);
+        if self.base.channel != Channel::Specimen || !open || !heard.lines.is_empty() {
             return None;
         }
         let all = || self.train.iter().chain(self.test);
@@ -61,8 +56,8 @@ impl ChannelDiagnosis<'_> {
         let tried = tried.map(|(above, noise)| (lowest * above, noise));
         let mut usable = tried.filter(|(hz, _)| *hz < MOST_RATE / slowest_s);
         usable.find_map(|(hz, noise)| {
-            let corners = self.corners(hz, noise, answer)?;
-            self.without_corners(&corners, noise, answer, declared, improved)
+            let corners = self.corners(hz, noise, &heard.answer)?;
+            self.without_corners(&corners, noise, heard, model)
         })
     }
 
@@ -103,10 +98,9 @@ impl ChannelDiagnosis<'_> {
         &self,
         [in_train, in_test]: &[Vec<Corners>; 2],
         noise: NoiseOf,
-        answer: &mut ChannelAnswer,
-        declared: &Model,
-        improved: &mut Model,
-    ) -> Option<[Vec<Recording>; 2]> {
+        heard: &Heard,
+        model: &Model,
+    ) -> Option<Heard> {
         let (train, test) = (without(self.train, in_train), without(self.test, in_test));
         let smooth = ChannelDiagnosis {
             base: self.base.clone(),
@@ -114,31 +108,29 @@ impl ChannelDiagnosis<'_> {
             test: &test,
             rest: self.rest,
             whole: Some(self),
+            hum: None,
         };
-        let mut with = declared.clone();
-        let mut beside = smooth.judge(&mut with);
-        smooth.check_none_on_held_out(&mut beside);
+        let mut beside = smooth.judge(model);
         // Names that only corners speak for are not replaced by none.
-        let nothing = beside.verdict == Verdict::None && answer.verdict == Verdict::Unknown;
+        let nothing = beside.found == Verdict::None && heard.found == Verdict::Unknown;
         // Between frequent corners too little of the motion is left for a name.
-        let named = beside.verdict == Verdict::Effect && noise == NoiseOf::EachMotion;
+        let named = beside.found == Verdict::Effect && noise == NoiseOf::EachMotion;
         if !nothing && !named {
             return None;
         }
         let share = |set: usize, corners: &[Corners], records: &[Recording]| {
-            100.0 * left(corners, records, &answer.residuals[set]).share
+            100.0 * left(corners, records, &heard.answer.residuals[set]).share
         };
         let shares = [share(0, in_train, self.train), share(1, in_test, self.test)];
-        beside.noise_floor_rms /= smooth.measured().sqrt();
-        beside.notes.push(format!(
+        beside.answer.noise_floor_rms /= smooth.measured().sqrt();
+        beside.answer.notes.push(format!(
             "Nothing is judged or predicted at corners of the motion, {:.0} % of its time in the training data and {:.0} % in the \
              held-out data: forces of damping and mass depend there on accelerations that the displacement does not show at its rate \
              and noise.",
             shares[0], shares[1],
         ));
-        *answer = beside;
-        *improved = with;
-        Some([train, test])
+        beside.smooth = Some([train, test]);
+        Some(beside)
     }
 }
 

@@ -1,13 +1,14 @@
 //! Errors of the declared model, and the answer if converter steps are its only residual.
 
 use super::channel::ChannelDiagnosis;
+use super::heard::Heard;
+use crate::model::Model;
 use crate::model::answer::*;
 use crate::numbers::signals::{nrmse, rms};
 use crate::prepare::advice;
 use crate::prepare::noise::Noise;
 use crate::prepare::problem::Problem;
-use crate::record::recording::Recording;
-use crate::record::{converter_step, rest};
+use crate::record::converter_step;
 use plant::{Channel, Effect};
 
 /// The held-out data as a problem, and an answer's residuals on them.
@@ -45,25 +46,31 @@ impl ChannelDiagnosis<'_> {
         settled: &Problem,
         noise: &Noise,
         cutoff_hz: f64,
-    ) -> ChannelAnswer {
+        model: &Model,
+    ) -> Heard {
         let mut answer = self.blank(Verdict::None);
         answer.noise_floor_rms = noise.rms;
         let (errors, held_out) = self.errors(settled, cutoff_hz);
         (answer.error_before, answer.error_after) = (errors, errors);
-        self.quantisation(noise, &mut answer);
         answer.refitted = advice::refitted(&self.base, &settled.theta);
-        answer.notes = advice::engine(&answer);
-        answer.notes.extend(noise.from.note().map(String::from));
         if let Some((problem, left)) = held_out {
             answer.traces = self.traces(&problem, &left);
             let learned = settled.residuals();
             answer.residuals = [learned, left];
         }
-        answer
+        let steps = self.steps(noise);
+        let mut heard = self.heard::<()>(answer, None, None, steps, model.clone());
+        if heard.found != Verdict::Unknown {
+            heard
+                .answer
+                .notes
+                .extend(noise.from.note().map(String::from));
+        }
+        heard
     }
 
-    /// Names the converter's steps if they are the whole noise; their size is read from the values themselves.
-    pub(super) fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
+    /// The converter's steps if they are the whole noise; their size is read from the values themselves.
+    pub(super) fn steps(&self, noise: &Noise) -> Option<FoundEffect> {
         let step = self.output_step();
         let room = self
             .train
@@ -73,17 +80,16 @@ impl ChannelDiagnosis<'_> {
         let own = step * step / 12.0;
         let other = (noise.rms * noise.rms - own).max(0.0).sqrt();
         if step <= 3.0 * other || step == 0.0 {
-            return;
+            return None;
         }
         let (name, unit) = match self.base.channel {
             Channel::Actuator => ("step_mm", "mm"),
             Channel::Specimen => ("step_n", "N"),
         };
-        answer.verdict = Verdict::Effect;
         // What a 12-bit converter after the steps makes of them.
         let ci90 = [step - room, step + room];
         let parameters = [(name, unit, step, ci90)];
-        answer.effects = vec![FoundEffect::new(Effect::Quantisation, parameters)];
+        Some(FoundEffect::new(Effect::Quantisation, parameters))
     }
 
     fn traces(&self, held_out: &Problem, left: &[Vec<f64>]) -> Traces {
@@ -98,14 +104,4 @@ impl ChannelDiagnosis<'_> {
         let seen = [&s.time_s, input, &segment.target].map(|x| segment.seen(x));
         Traces::of(seen, [&left[0]; 2])
     }
-}
-
-/// Rms residual while the records move: at rest friction holds any force.
-pub(super) fn while_moving(left: &[Vec<f64>], records: &[Recording]) -> f64 {
-    let moving = |(r, left): (&Recording, &Vec<f64>)| {
-        let skipped = r.time_s.len() - left.len();
-        let part = rest::moving(r);
-        left[part.start.saturating_sub(skipped)..part.end.saturating_sub(skipped)].to_vec()
-    };
-    rms(&records.iter().zip(left).map(moving).collect::<Vec<_>>())
 }

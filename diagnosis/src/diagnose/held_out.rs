@@ -1,15 +1,155 @@
-//! Held-out data with a larger residual than the training data.
+//! The judgement of held-out data: on a proposed model, and on `none`. It decides nothing (see `decision`).
 
+use super::by_engine::{ChannelData, Left};
 use super::channel::ChannelDiagnosis;
-use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, TRANSDUCER};
-use crate::model::answer::{ChannelAnswer, Verdict};
+use super::decision::Forbids;
+use crate::criteria::{
+    ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, NOISE, SET_LEAVES, TRANSDUCER,
+    WORTH_A_NAME,
+};
+use crate::engine::{self, Asked, Candidate};
+use crate::model::Model;
+use crate::model::answer::{ChannelAnswer, Errors, FoundEffect, Nearest};
+use crate::model::interval;
+use crate::numbers::signals::rms;
 use crate::prepare::advice::four;
-use plant::Channel;
+use crate::record::recording::Recording;
+use crate::record::rest;
+use plant::{Channel, Effect};
+
+/// A proposed model on training and held-out records.
+pub struct Tried<F> {
+    /// Its fit.
+    pub fit: F,
+    /// Its residuals.
+    pub left: Left,
+    /// Their size.
+    pub errors: Errors,
+    /// 90 % interval of the decrease of the held-out rms.
+    pub gain: [f64; 2],
+}
+
+/// What the decision needs to know of a proposed model.
+pub struct Judged {
+    /// The held-out data bear it out.
+    pub confirmed: bool,
+    /// It accounts for the training data: it leaves a small part of the residual, or noise.
+    pub accounts: bool,
+    /// The credible fraction of its names' probabilities.
+    pub trust: f64,
+    /// Its effects with their parameters.
+    pub effects: Vec<FoundEffect>,
+}
 
 impl ChannelDiagnosis<'_> {
-    /// `none` holds if the residual is not most of the output, and if the held-out data leave no more than noise, too:
-    /// otherwise something acts there that the training data do not show.
-    pub(super) fn check_none_on_held_out(&self, answer: &mut ChannelAnswer) {
+    /// Tries the model of what is proposed; `None` if a signal is missing.
+    pub(super) fn tried<A: Asked>(
+        &self,
+        channel: &ChannelData<A>,
+        candidate: &Candidate<A::Fit>,
+        before: &Left,
+    ) -> Option<Tried<A::Fit>> {
+        let fit = channel.data.settled(&candidate.model);
+        let left = channel.left(&fit)?;
+        Some(Tried {
+            errors: self.errors_left(&left),
+            gain: interval::improvement(&before[1], &left[1], self.train[0].interval_s()),
+            fit,
+            left,
+        })
+    }
+
+    /// Judges the model of a name or a set. `before`: what the declared model leaves, refitted.
+    pub(super) fn judged<A: Asked>(
+        &self,
+        channel: &ChannelData<A>,
+        (candidate, is_set): (&Candidate<A::Fit>, bool),
+        tried: &Tried<A::Fit>,
+        before: &Left,
+    ) -> Judged {
+        // A model that does not reach the noise must explain most: a law not in the table may be the cause.
+        let most = if candidate.evidence.left_rms() < 1.0 {
+            1.0 - WORTH_A_NAME
+        } else {
+            SET_LEAVES
+        };
+        // Without the noise, if a rest determines it.
+        let noise = if channel.told { channel.noise.rms } else { 0.0 };
+        let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
+        let refitted = self.errors_left(before).test_rms;
+        let had = beyond(self.without_refit_of(&candidate.names, refitted));
+        let has = beyond(tried.errors.test_rms);
+        // Held-out data that have died down to the noise are evidence neither way.
+        let evidence = had.max(has) > 0.0;
+        let confirmed = !evidence || has <= most * had && (tried.gain[0] > 0.0 || is_set);
+        let effects = if confirmed {
+            channel.data.figures(&tried.fit)
+        } else {
+            Vec::new()
+        };
+        let of = |(name, values): (Effect, Vec<_>)| FoundEffect::new(name, values);
+        Judged {
+            confirmed,
+            accounts: self.accounts(channel, before, tried),
+            trust: engine::trust(&candidate.evidence),
+            effects: effects.into_iter().map(of).collect(),
+        }
+    }
+
+    /// True if a model accounts for the training data while they move.
+    fn accounts<A: Asked>(
+        &self,
+        channel: &ChannelData<A>,
+        before: &Left,
+        tried: &Tried<A::Fit>,
+    ) -> bool {
+        let declared = self.errors_left(before).test_rms;
+        let noise = channel.noise.rms.min(declared).min(tried.errors.test_rms);
+        let share = ACCOUNTS * while_moving(&before[0], self.train);
+        let known = if channel.told {
+            BESIDE_NOISE
+        } else {
+            f64::INFINITY
+        };
+        let most = share.min(known * noise).max(NOISE * noise);
+        while_moving(&tried.left[0], self.train) <= most
+    }
+
+    /// Held-out rms error, the baseline for a model of these names. If one of them is an error of a declared parameter,
+    /// the refit within the tolerances has already taken part of it, so the declared model counts.
+    fn without_refit_of(&self, names: &[Effect], refitted: f64) -> f64 {
+        let parameters = self.base.channel.parameters();
+        let is_error = |name: &Effect| parameters.iter().any(|p| p.error == *name);
+        let declared = names.iter().any(is_error).then(|| self.declared_leaves());
+        declared.flatten().map_or(refitted, |d| d.max(refitted))
+    }
+
+    /// The model that comes nearest, which is not confirmed, and the fraction of the held-out squares that it explains.
+    pub(super) fn nearest<A: Asked>(
+        &self,
+        name: Effect,
+        data: &A,
+        tried: &Tried<A::Fit>,
+        before: &Left,
+        model: &Model,
+    ) -> Nearest {
+        let share = rms(&tried.left[1]) / rms(&before[1]).max(f64::MIN_POSITIVE);
+        let mut model = model.bare(self.base.channel);
+        data.save(&tried.fit, &mut model);
+        // Do not save an inadmissible model: a saved file must be readable again.
+        let own = model.channel(self.base.channel);
+        let own = own.filter(|_| model.check().is_ok());
+        Nearest {
+            name,
+            explained: (1.0 - share * share).clamp(0.0, 1.0),
+            effects: own.as_ref().map_or(Vec::new(), |c| c.effects.to_vec()),
+            elements: own.as_ref().map_or(Vec::new(), |c| c.elements.to_vec()),
+        }
+    }
+
+    /// Why `none` cannot be said of a channel whose training data have nothing: the held-out data leave more than noise, so something
+    /// acts there that the training data do not show; the residual is most of the output; or it is lines that the motion does not have.
+    pub(super) fn forbids_none(&self, answer: &ChannelAnswer) -> Option<Forbids> {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
             // An ordinary ram leaves the same fraction of any motion.
@@ -17,14 +157,13 @@ impl ChannelDiagnosis<'_> {
             Channel::Actuator => self.base.ordinary().max(DISPLACEMENT_TRANSDUCER),
             Channel::Specimen => TRANSDUCER,
         };
-        if answer.verdict != Verdict::None || !left.is_finite() {
-            return;
-        }
         let unit = &answer.unit;
         let within = left <= BESIDE_NOISE * noise || answer.error_before.test_nrmse < class;
         let errors = &answer.error_before;
         let share = errors.test_nrmse.max(errors.train_nrmse);
-        let note = if !within {
+        let reason = if !left.is_finite() {
+            return None;
+        } else if !within {
             format!(
                 "The training data leave nothing but a noise of {} {unit}, and the held-out data leave {} {unit} rms: something \
                  acts there that the training data do not show. Train with data that go as far and as fast.",
@@ -39,9 +178,22 @@ impl ChannelDiagnosis<'_> {
                 100.0 * share
             )
         } else {
-            return;
+            return self.lines_in_place_of_noise(answer);
         };
-        answer.verdict = Verdict::Unknown;
-        answer.notes = vec![note];
+        Some(Forbids {
+            reason,
+            lines: Vec::new(),
+            noise_share: 1.0,
+        })
     }
+}
+
+/// Rms residual while the records move: at rest friction holds any force.
+fn while_moving(left: &[Vec<f64>], records: &[Recording]) -> f64 {
+    let moving = |(r, left): (&Recording, &Vec<f64>)| {
+        let skipped = r.time_s.len() - left.len();
+        let part = rest::moving(r);
+        left[part.start.saturating_sub(skipped)..part.end.saturating_sub(skipped)].to_vec()
+    };
+    rms(&records.iter().zip(left).map(moving).collect::<Vec<_>>())
 }

@@ -1,24 +1,20 @@
 //! Mains hum in an actuator's reading: it is present at rest and hides other causes, so it is removed first.
 
 use super::by_engine::without_mains;
-use super::channel::ChannelDiagnosis;
+use super::channel::{ChannelDiagnosis, Hum};
+use super::heard::Heard;
 use crate::criteria::FALSE_LINES;
 use crate::criteria::LINES;
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, FoundEffect, Verdict};
-use crate::model::interval;
 use crate::numbers::signals::{difference, rms};
 use crate::prepare::noise::hum::lines_at_rest;
 use plant::{Channel, Effect};
 
 impl ChannelDiagnosis<'_> {
-    /// The answer without the hum of the displacement's reading, with the hum named; `None` if hum is not what an answer leaves.
-    pub(super) fn beside_hum(
-        &self,
-        answer: &ChannelAnswer,
-        improved: &mut Model,
-    ) -> Option<ChannelAnswer> {
-        let is_open = !matches!(answer.verdict, Verdict::None | Verdict::NotAssessed);
+    /// The answer without the hum of the displacement's reading, with the hum named, if hum is much of what an answer leaves.
+    pub(super) fn beside_hum(&self, with: &ChannelAnswer, model: &Model) -> Option<Heard> {
+        let is_open = !matches!(with.verdict, Verdict::None | Verdict::NotAssessed);
         if self.base.channel != Channel::Actuator || !is_open {
             return None;
         }
@@ -34,19 +30,11 @@ impl ChannelDiagnosis<'_> {
             longest.1.displacement_mm.as_ref()?,
         );
         let hum_mm = rms(&[difference(x, clean)]);
-        let left_mm = answer.error_after.test_rms;
+        let left_mm = with.error_after.test_rms;
         if hum_mm * hum_mm < LINES * left_mm * left_mm {
             return None;
         }
         let frequency_hz = *lines_at_rest(x, longest.0).first()?;
-        let quiet = ChannelDiagnosis {
-            base: self.base.clone(),
-            train: &clean_train,
-            test: &clean_test,
-            rest: &clean_rest,
-            whole: None,
-        };
-        let mut beside = quiet.assess(improved);
         let amplitude_mm = std::f64::consts::SQRT_2 * hum_mm;
         // Hum varies with other loads on the mains: by a tenth.
         let about = |x: f64, by: f64| [x - by, x + by];
@@ -65,25 +53,23 @@ impl ChannelDiagnosis<'_> {
                 about(frequency_hz, bin_hz),
             ),
         ];
-        beside.effects.insert(
-            0,
-            FoundEffect {
-                q: Some(FALSE_LINES),
-                ..FoundEffect::new(Effect::MainsHum, parameters)
-            },
-        );
-        beside.verdict = match beside.verdict {
-            Verdict::None => Verdict::Effect,
-            Verdict::Unknown | Verdict::NotAssessed => Verdict::Partial,
-            named => named,
+        let effect = FoundEffect {
+            q: Some(FALSE_LINES),
+            ..FoundEffect::new(Effect::MainsHum, parameters)
         };
-        beside.nearest = None;
-        beside.error_before = answer.error_before;
-        let h = self.test[0].interval_s();
-        beside.improvement_ci90 =
-            interval::improvement(&answer.residuals[1], &beside.residuals[1], h);
-        beside.traces.measured.clone_from(&answer.traces.measured);
-        beside.notes.push(format!(
+        let quiet = ChannelDiagnosis {
+            base: self.base.clone(),
+            train: &clean_train,
+            test: &clean_test,
+            rest: &clean_rest,
+            whole: None,
+            hum: Some(Hum { effect, with }),
+        };
+        let mut beside = quiet.assess(model);
+        if beside.found == Verdict::NotAssessed {
+            return None;
+        }
+        beside.answer.notes.push(format!(
             "The displacement's reading has the mains, {frequency_hz:.2} Hz, at rest as in motion: another cable, a screen, a ground. \
              It is taken off before the rest is judged, and is not in the improved model: its phase is that of its own record."
         ));

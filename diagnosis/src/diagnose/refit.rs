@@ -2,7 +2,7 @@
 //! saved of them, and the probability of each name.
 
 use super::channel::ChannelDiagnosis;
-use crate::criteria::{LEAST_SURE, REACH};
+use crate::criteria::REACH;
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, Errors, Refitted, Verdict};
 use crate::model::interval;
@@ -33,15 +33,6 @@ fn errors(train: &Problem, test: &Problem) -> Errors {
         train_nrmse,
         test_nrmse,
         test_rms,
-    }
-}
-
-/// Sets the probability of each name of an answer.
-pub fn state_probabilities(answer: &mut ChannelAnswer) {
-    for effect in &mut answer.effects {
-        let member = answer.members.iter().find(|m| m.name == effect.name);
-        let alone = 1.0 - effect.q.unwrap_or(LEAST_SURE);
-        effect.p = Some(member.map_or(alone, |m| m.probability));
     }
 }
 

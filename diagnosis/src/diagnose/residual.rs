@@ -1,6 +1,8 @@
 //! The dependence of a channel's remaining error.
 
 use super::channel::ChannelDiagnosis;
+use super::decision::Forbids;
+use super::heard::Heard;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::diagnose::expected_error::next_error;
 use crate::diagnose::remainder::{
@@ -94,29 +96,40 @@ impl ChannelDiagnosis<'_> {
         force * ((whole - moving) as f64 / whole.max(1) as f64).sqrt()
     }
 
-    /// Adds the anatomy of a model's residual to an answer in which something is missing; `found` are known lines in
-    /// it.
-    pub(super) fn analyse_residual(&self, answer: &mut ChannelAnswer, found: Vec<Line>) {
-        if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
+    /// Adds the anatomy of a model's residual to an answer in which something is missing.
+    pub(super) fn analyse_residual(&self, heard: &mut Heard) {
+        let Heard {
+            answer,
+            found,
+            lines,
+            ..
+        } = heard;
+        if matches!(found, Verdict::None | Verdict::NotAssessed) {
             return;
         }
         let [train, test] = std::mem::take(&mut answer.residuals);
-        self.add_anatomy(answer, &train, &test);
+        self.add_anatomy(answer, *found, &train, &test);
         answer.residuals = [train, test];
-        if let Some(r) = answer.remainder.as_mut().filter(|_| !found.is_empty()) {
-            r.lines = found;
+        if let Some(r) = answer.remainder.as_mut().filter(|_| !lines.is_empty()) {
+            r.lines = std::mem::take(lines);
         }
     }
 
     /// The same, by record of training and test. A residual may be shorter than its record, which then lacks its first
     /// samples.
-    fn add_anatomy(&self, answer: &mut ChannelAnswer, train: &[Vec<f64>], test: &[Vec<f64>]) {
+    fn add_anatomy(
+        &self,
+        answer: &mut ChannelAnswer,
+        verdict: Verdict,
+        train: &[Vec<f64>],
+        test: &[Vec<f64>],
+    ) {
         let answers = |records, rests| self.model_answers(records, rests);
         if let (Some(learned), Some(planned)) =
             (answers(self.train, train), answers(self.test, test))
         {
             let [low, high] = next_error(train, &learned, &planned);
-            let high = high * beyond(answer.verdict, &learned, &planned);
+            let high = high * beyond(verdict, &learned, &planned);
             answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
             let of = |records: &[Recording], answers: &[Vec<f64>], rests: &[Vec<f64>]| {
                 let all = records.iter().zip(answers).zip(rests);
@@ -144,7 +157,7 @@ impl ChannelDiagnosis<'_> {
                 let measured = self.target_of(r).map_or(&[][..], Vec::as_slice);
                 found.lines.retain(|l| is_in(l, measured, r.interval_s()));
                 // No motion of this rig shows what another axis does.
-                answer.disturbed |= matches!(answer.verdict, Verdict::Partial | Verdict::Unknown)
+                answer.disturbed |= matches!(verdict, Verdict::Partial | Verdict::Unknown)
                     && held(&found.lines, rms(test)) > MOSTLY
                     && !self.hunts(r);
             }
@@ -238,41 +251,40 @@ impl ChannelDiagnosis<'_> {
         records.iter().zip(rests).map(answer).collect()
     }
 
-    /// A residual with lines that the motion lacks is not noise, however little the motion causes it: these lines.
-    pub(super) fn lines_in_place_of_noise(&self, answer: &mut ChannelAnswer) -> Vec<Line> {
-        if answer.verdict != Verdict::None || answer.error_before.test_nrmse < TRANSDUCER {
-            return Vec::new();
-        }
+    /// A residual with lines that the motion lacks is not noise, however little the motion causes it.
+    pub(super) fn lines_in_place_of_noise(&self, answer: &ChannelAnswer) -> Option<Forbids> {
         let t = &answer.traces;
         let rest = difference(&t.measured, &t.before);
-        let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
-            return Vec::new();
-        };
+        if rest.is_empty() || answer.error_before.test_nrmse < TRANSDUCER {
+            return None;
+        }
+        let r = self.test.first()?;
         let whole = rms(std::slice::from_ref(&rest));
         let mut found = lines(&rest, &t.input, r.interval_s());
         found.retain(|l| is_in(l, &t.measured, r.interval_s()));
+        let mut noise_share = 1.0;
         if held(&found, whole) < LINES {
             // A motion of many frequencies has harmonics everywhere: then lines are only visible at rest.
-            let Some((still, mut at_rest)) = lines_at_rest(r, &rest, &t.measured) else {
-                return Vec::new();
-            };
+            let (still, mut at_rest) = lines_at_rest(r, &rest, &t.measured)?;
             at_rest.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
             let share = held(&at_rest, still);
             if share < LINES {
-                return Vec::new();
+                return None;
             }
-            answer.noise_floor_rms *= (1.0 - share).max(0.0).sqrt();
+            noise_share = (1.0 - share).max(0.0);
             found = at_rest;
         }
-        let all = in_words(&found, &answer.unit);
-        (answer.verdict, answer.disturbed) = (Verdict::Unknown, !self.hunts(r));
-        answer.notes = vec![format!(
+        let reason = format!(
             "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise, but a \
              disturbance: a pump, a valve that hunts, another axis; its cause is outside these channels.",
             answer.unit,
-            all.join(", ")
-        )];
-        found
+            in_words(&found, &answer.unit).join(", ")
+        );
+        Some(Forbids {
+            reason,
+            lines: found,
+            noise_share,
+        })
     }
 
     /// For an unknown cause, notes how much of the output is linear in its input at all: if that is little, no element

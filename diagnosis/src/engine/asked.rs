@@ -65,11 +65,9 @@ impl<F: Clone> Found<F> {
 
     /// The model of what is named or in a set.
     pub fn leading(&self) -> Option<&F> {
-        match &self.said {
-            verdict::Said::Nothing | verdict::Said::Unknown(_) => None,
-            verdict::Said::Names(named) => Some(&named.model.model),
-            verdict::Said::Set(candidate, _) => Some(&candidate.model),
-        }
+        let unknown = matches!(self.said, verdict::Said::Unknown(_));
+        let named = self.said.model().filter(|_| !unknown);
+        named.map(|candidate| &candidate.model)
     }
 }
 

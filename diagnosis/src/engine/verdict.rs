@@ -1,6 +1,4 @@
-//! The decision on a posterior. `diagnose.rs` lists, in order, what may follow it: a verdict is withdrawn where held-out data
-//! contradict it, widened to a set where the motion cannot tell names apart, or judged anew without corners or hum; and what is
-//! left is attributed to mains hum, converter steps or noise.
+//! The verdict that a posterior allows: what the training data propose. `diagnose/decision.rs` decides on it.
 
 use super::posterior::{Candidate, Name, Posterior};
 use plant::{Effect, Family};
@@ -63,6 +61,27 @@ pub enum Said<M, N = Effect> {
     Set(Candidate<M, N>, Probabilities<N>),
     /// Something is missing, but no name can be given; with the likeliest named model.
     Unknown(Option<Candidate<M, N>>),
+}
+
+impl<M, N: Name> Said<M, N> {
+    /// The likeliest model of what is said.
+    pub fn model(&self) -> Option<&Candidate<M, N>> {
+        match self {
+            Self::Nothing => None,
+            Self::Names(named) => Some(&named.model),
+            Self::Set(model, _) => Some(model),
+            Self::Unknown(model) => model.as_ref(),
+        }
+    }
+
+    /// The likeliest name.
+    pub fn likeliest(&self) -> Option<N> {
+        match self {
+            Self::Nothing => None,
+            Self::Names(Named { names, .. }) | Self::Set(_, names) => names.first().map(|n| n.0),
+            Self::Unknown(model) => model.as_ref().and_then(|m| m.names.first().copied()),
+        }
+    }
 }
 
 /// The verdict that a posterior allows. `nothing`: limits over the noise, in any case and without contradiction.

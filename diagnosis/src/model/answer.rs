@@ -1,5 +1,6 @@
 //! What is said of a channel: data only, so that every part of the diagnosis may use it.
 
+use crate::criteria::LEAST_SURE;
 use crate::model::saved_element::SavedElement;
 use crate::numbers::signals::difference;
 use plant::{Channel, Effect, EffectSpec, Family};
@@ -78,6 +79,11 @@ impl FoundEffect {
             rivals: Vec::new(),
             parameters: parameters.into_iter().map(parameter).collect(),
         }
+    }
+
+    /// Its probability where it is no member of a set.
+    pub(crate) fn alone(&self) -> f64 {
+        1.0 - self.q.unwrap_or(LEAST_SURE)
     }
 
     /// The value of a parameter.

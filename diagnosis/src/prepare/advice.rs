@@ -95,11 +95,11 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     answer.effects.iter().filter_map(of).collect()
 }
 
-/// Notes on the engine's result.
-pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
+/// Notes on the engine's result. `verdict`: the answer's if the motion could tell all names apart.
+pub fn engine(answer: &ChannelAnswer, verdict: Verdict) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
-    let said = match answer.verdict {
+    let said = match verdict {
         Verdict::None => format!(
             "No law of the table and no parameter outside its tolerance is worth its price: what is left is {before:.4} {unit} rms."
         ),
@@ -117,7 +117,7 @@ pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
         }
     };
     let mut notes = vec![said];
-    if answer.verdict == Verdict::Ambiguous
+    if verdict == Verdict::Ambiguous
         && let Some(first) = answer.effects.first()
     {
         notes.push(

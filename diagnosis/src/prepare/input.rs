@@ -2,10 +2,8 @@
 //! different causes give the same force, whatever fits.
 
 use crate::criteria::specimen::TOGETHER;
-use crate::criteria::{
-    LARGEST_SET, LEAST_SURE, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW,
-};
-use crate::model::answer::{ChannelAnswer, FoundEffect, Member, Verdict};
+use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
+use crate::model::answer::{FoundEffect, Member};
 use crate::model::base::Base;
 use crate::record::recording::{Recording, range};
 use crate::record::spectrum::{Density, motion_band_hz, smooth};
@@ -243,11 +241,15 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
 
 /// Warming with time and damage by the largest displacement so far are alike if that displacement grows with time:
 /// above all in a protocol of growing cycles.
-pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
+pub fn damages(
+    channel: Channel,
+    effects: &[FoundEffect],
+    train: &[Recording],
+) -> Option<Deficiency> {
     let name = Effect::TemperatureGain;
-    let found = answer.effects.iter().find(|e| e.name == name)?;
+    let found = effects.iter().find(|e| e.name == name)?;
     let (change, time_s) = (found.value("change")?, found.value("time_constant_s")?);
-    if answer.channel != Channel::Specimen {
+    if channel != Channel::Specimen {
         return None;
     }
     let together = |r: &Recording| {
@@ -303,7 +305,7 @@ fn commonness(name: Effect) -> f64 {
 
 /// Adds the names of a group that the motion cannot tell apart. The data give the group's probability, and `commonness` each
 /// name's share of what the added names have with the likeliest; other names keep theirs.
-fn share(all: &mut Vec<Member>, group: &[Effect], named: &[Effect]) {
+pub fn share(all: &mut Vec<Member>, group: &[Effect], named: &[Effect]) {
     let inside = |m: &Member| group.contains(&m.name);
     let of_group = |all: &[Member]| -> Vec<f64> {
         let own = all.iter().filter(|m| inside(m));
@@ -324,46 +326,6 @@ fn share(all: &mut Vec<Member>, group: &[Effect], named: &[Effect]) {
     let [before, after] = [before, of_group(all)].map(|own| own.iter().sum::<f64>());
     for m in all.iter_mut().filter(|m| inside(m)) {
         m.probability *= before / after.max(f64::MIN_POSITIVE);
-    }
-}
-
-/// Turns every name that the motion cannot tell from others into a set, and adds a note.
-pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
-    let named = matches!(
-        answer.verdict,
-        Verdict::Effect | Verdict::Partial | Verdict::Ambiguous
-    );
-    if !named {
-        return;
-    }
-    for deficiency in deficiencies {
-        let held: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
-        let in_set = answer.members.iter().map(|m| m.name);
-        let named: Vec<Effect> = held.iter().copied().chain(in_set).collect();
-        let own = |group: &&Vec<Effect>| named.iter().any(|n| group.contains(n));
-        let Some(group) = deficiency.alike.iter().find(own).cloned() else {
-            continue;
-        };
-        let named: Vec<Effect> = named.into_iter().filter(|n| group.contains(n)).collect();
-        answer.notes.push(deficiency.sentence.clone());
-        let is_member = |e: &&FoundEffect| answer.members.iter().any(|m| m.name == e.name);
-        let sure = answer.effects.iter().filter(|e| !is_member(e));
-        let sure = sure.map(|e| Member {
-            name: e.name,
-            probability: 1.0 - e.q.unwrap_or(LEAST_SURE),
-        });
-        let mut all: Vec<Member> = sure.chain(answer.members.iter().copied()).collect();
-        share(&mut all, &group, &named);
-        answer.alternatives = all
-            .iter()
-            .map(|m| m.name)
-            .filter(|n| !held.contains(n))
-            .collect();
-        answer.members = all;
-        if !answer.alternatives.is_empty() {
-            answer.verdict = Verdict::Ambiguous;
-            answer.effects.iter_mut().for_each(|e| e.q = None);
-        }
     }
 }
 

@@ -14,14 +14,17 @@ fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
 }
 
 /// A gain that falls with time and a stiffness that falls with travel, if the travel grows evenly with time.
-pub fn deficiency(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
+pub fn deficiency(
+    channel: Channel,
+    effects: &[FoundEffect],
+    train: &[Recording],
+) -> Option<Deficiency> {
     let tires = |e: &FoundEffect| e.name == Effect::Degradation && e.value("travel_mm").is_some();
     let cools = |e: &FoundEffect| {
         e.name == Effect::TemperatureGain && e.value("change").is_some_and(|c| c < 0.0)
     };
     let asked = |e: &FoundEffect| tires(e) || cools(e);
-    let specimen = answer.channel == Channel::Specimen;
-    if !specimen || !answer.effects.iter().any(asked) {
+    if channel != Channel::Specimen || !effects.iter().any(asked) {
         return None;
     }
     let ahead = train.iter().map(ahead).collect::<Option<Vec<f64>>>()?;

@@ -1,0 +1,107 @@
+//! A channel's answer with its decision.
+
+use super::channel::ChannelDiagnosis;
+use super::decision::{Beside, Forbids, decide};
+use super::held_out::Judged;
+use crate::engine::Said;
+use crate::model::Model;
+use crate::model::answer::{ChannelAnswer, FoundEffect, Line, Verdict};
+use crate::model::interval;
+use crate::prepare::input::{self, Deficiency};
+use crate::prepare::{advice, wear};
+use crate::record::recording::Recording;
+
+/// An answer that is decided, and what describing it takes.
+pub struct Heard {
+    /// The answer.
+    pub answer: ChannelAnswer,
+    /// Its verdict if the motion could tell all names apart.
+    pub found: Verdict,
+    /// Lines that the motion does not have, if they forbid `none`.
+    pub lines: Vec<Line>,
+    /// The model with what was found.
+    pub model: Model,
+    /// The training and held-out records with their corners marked as not measured, if it was decided without them.
+    pub smooth: Option<[Vec<Recording>; 2]>,
+}
+
+impl Heard {
+    /// An answer that leaves the model as it is.
+    pub fn unchanged(answer: ChannelAnswer, model: &Model) -> Self {
+        Self {
+            found: answer.verdict,
+            answer,
+            lines: Vec::new(),
+            model: model.clone(),
+            smooth: None,
+        }
+    }
+}
+
+impl ChannelDiagnosis<'_> {
+    /// Decides on what is proposed, whose model is judged, and writes the decision into the figures of an answer. `steps`: the
+    /// converter's, if the training data have nothing else.
+    pub(super) fn heard<F>(
+        &self,
+        mut answer: ChannelAnswer,
+        proposed: Option<&Said<F>>,
+        judged: Option<Judged>,
+        steps: Option<FoundEffect>,
+        model: Model,
+    ) -> Heard {
+        let nothing = proposed.is_none() && steps.is_none() && self.hum.is_none();
+        let beside = Beside {
+            steps,
+            forbids_none: if nothing {
+                self.forbids_none(&answer)
+            } else {
+                None
+            },
+            hum: self.hum.as_ref().map(|h| h.effect.clone()),
+            lacks: &|effects| self.lacks(effects),
+        };
+        let decision = decide(proposed, judged, beside);
+        answer.verdict = decision.verdict;
+        answer.ordinary &= decision.verdict == Verdict::None;
+        answer.effects = decision.effects;
+        answer.alternatives = decision.alternatives;
+        answer.members = decision.members;
+        if let Some(hum) = &self.hum {
+            answer.error_before = hum.with.error_before;
+            let [before, after] = [&hum.with.residuals[1], &answer.residuals[1]];
+            let h = self.test[0].interval_s();
+            answer.improvement_ci90 = interval::improvement(before, after, h);
+            let measured = &hum.with.traces.measured;
+            answer.traces.measured.clone_from(measured);
+        }
+        let mut lines = Vec::new();
+        answer.notes = match decision.forbids_none {
+            Some(Forbids {
+                reason,
+                lines: found,
+                noise_share,
+            }) => {
+                answer.noise_floor_rms *= noise_share.sqrt();
+                answer.disturbed = !found.is_empty() && !self.hunts(&self.test[0]);
+                lines = found;
+                vec![reason]
+            }
+            None => advice::engine(&answer, decision.found),
+        };
+        answer.notes.extend(decision.lacks);
+        Heard {
+            found: decision.found,
+            lines,
+            ..Heard::unchanged(answer, &model)
+        }
+    }
+
+    /// What the training motion lacks to tell these effects from others.
+    fn lacks(&self, effects: &[FoundEffect]) -> Vec<Deficiency> {
+        let channel = self.base.channel;
+        let mut lacks = input::deficiencies(&self.base, self.train);
+        lacks.extend(input::damages(channel, effects, self.train));
+        lacks.extend(wear::deficiency(channel, effects, self.train));
+        lacks
+    }
+}
