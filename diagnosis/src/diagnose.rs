@@ -227,13 +227,13 @@ impl ChannelDiagnosis<'_> {
             heard = beside;
         }
         match self.rail(&heard.answer) {
-            Some(why) => Heard::unchanged(self.not_assessed(why), model),
+            Some(why) => Heard::unchanged(self.not_assessed(why), model.clone()),
             None => heard,
         }
     }
 
     fn assess(&self, model: &Model) -> Heard {
-        let without = |answer| Heard::unchanged(answer, model);
+        let without = |answer| Heard::unchanged(answer, model.clone());
         if let Some(why) = self.obstacle() {
             return without(self.not_assessed(why));
         }

@@ -1,13 +1,13 @@
 //! Turns the engine's result for a channel into an answer.
 
 use super::channel::ChannelDiagnosis;
-use super::decision::{Training, proposed};
+use super::decision::{Borne, proposed};
 use super::heard::Heard;
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, TRANSDUCER};
 use crate::engine::drivetrain::without_known as without_known_motion;
 use crate::engine::{self, ActuatorChannel, Asked, Found, KnownNoise, Said, SpecimenData};
 use crate::model::Model;
-use crate::model::answer::{Errors, Traces, Verdict};
+use crate::model::answer::{Errors, FoundEffect, Traces, Verdict};
 use crate::numbers::signals::{end_of, nrmse, rms};
 use crate::prepare::advice;
 use crate::prepare::known::without_known;
@@ -153,13 +153,14 @@ impl ChannelDiagnosis<'_> {
         let unnamed = self.share(&channel.left(&found.nothing)?[0], self.train);
         let sags = found.unnamed.is_some_and(|p| p >= engine::SURE)
             && self.base.channel == Channel::Actuator;
-        let training = Training {
-            // In a sound ram the supply does not sag.
-            sound: channel.is_ordinary(unnamed)
-                && !(sags && matches!(found.said, Said::Unknown(_))),
-            of_its_class: channel.is_of_its_class(&found.said, self.share(&before[0], self.train)),
-        };
-        let proposed = proposed(&found.said, &training);
+        // In a sound ram the supply does not sag.
+        let sound =
+            channel.is_ordinary(unnamed) && !(sags && matches!(found.said, Said::Unknown(_)));
+        let trained = self.share(&before[0], self.train);
+        let proposed = proposed(
+            &found.said,
+            sound || channel.is_of_its_class(&found.said, trained),
+        );
 
         let mut answer = self.blank(Verdict::None);
         answer.unnamed = found.unnamed;
@@ -169,31 +170,29 @@ impl ChannelDiagnosis<'_> {
         answer.noise_floor_rms = channel.noise.rms.min(answer.error_before.test_rms);
         let higher_order = || channel.data.is_of_higher_order(&found.nothing);
         let said_nothing = matches!(found.said, Said::Nothing);
-        answer.ordinary = training.sound && (!said_nothing || higher_order());
+        answer.ordinary = sound && (!said_nothing || higher_order());
 
-        let tried = match proposed.and_then(Said::model) {
-            Some(candidate) => Some(self.tried(channel, candidate, &before)?),
-            None => None,
-        };
-        let judged = match (proposed, &tried) {
-            (Some(Said::Names(n)), Some(t)) => {
-                Some(self.judged(channel, (&n.model, false), t, &before))
-            }
-            (Some(Said::Set(c, _)), Some(t)) => Some(self.judged(channel, (c, true), t, &before)),
-            _ => None,
-        };
+        let tried = proposed.and_then(|said| self.tried(channel, said, &before));
         let (kept, near) = match tried {
-            Some(tried) if judged.as_ref().is_some_and(|j| j.confirmed) => (Some(tried), None),
+            Some(tried) if tried.borne_out => (Some(tried), None),
             near => (None, near),
         };
         let mut with = model.clone();
-        if let Some(kept) = &kept {
+        let borne = kept.as_ref().map(|kept| {
             answer.noise_floor_rms = answer.noise_floor_rms.min(kept.errors.test_rms);
             answer.refitted = advice::refitted(&self.base, &channel.data.declared(&kept.fit));
             answer.improvement_ci90 = kept.gain;
             answer.error_after = kept.errors;
             channel.data.save(&kept.fit, &mut with);
-        }
+            let figures = channel.data.figures(&kept.fit).into_iter();
+            Borne {
+                accounts: kept.accounts,
+                trust: kept.trust,
+                effects: figures
+                    .map(|(name, own)| FoundEffect::new(name, own))
+                    .collect(),
+            }
+        });
         let left = kept.map_or_else(|| before.clone(), |kept| kept.left);
         let mut steps = None;
         if proposed.is_none() {
@@ -206,7 +205,7 @@ impl ChannelDiagnosis<'_> {
         }
         answer.traces = self.engine_traces(&before[1], &left[1]);
         answer.residuals = left;
-        let mut heard = self.heard(answer, proposed, judged, steps, with);
+        let mut heard = self.heard(answer, proposed, borne, steps, with);
         if let (Some(near), Verdict::Unknown) = (near, heard.found) {
             let name = found.said.likeliest().unwrap_or(Effect::Offset);
             heard.answer.nearest = Some(self.nearest(name, channel.data, &near, &before, model));

@@ -4,7 +4,6 @@
 //! A record is decided on anew if mains hum or corners of the motion are what an answer leaves (`hum`, `corners`), each time
 //! from the search on.
 
-use super::held_out::Judged;
 use crate::engine::{Named, Said};
 use crate::model::answer::{FoundEffect, Line, Member, Verdict};
 use crate::prepare::input::{Deficiency, share};
@@ -40,12 +39,15 @@ pub struct Forbids {
     pub noise_share: f64,
 }
 
-/// What the training data show beside the posterior.
-pub struct Training {
-    /// What is left without a name is what any sound device of its kind leaves.
-    pub sound: bool,
-    /// What the declared model leaves is within the class of a good transducer.
-    pub of_its_class: bool,
+/// A model that the held-out data bear out.
+#[derive(Debug)]
+pub struct Borne {
+    /// It accounts for the training data: it leaves a small part of the residual, or noise.
+    pub accounts: bool,
+    /// The credible fraction of its names' probabilities.
+    pub trust: f64,
+    /// Its effects with their parameters.
+    pub effects: Vec<FoundEffect>,
 }
 
 /// What is known beside a model of the training data.
@@ -60,16 +62,16 @@ pub struct Beside<'a> {
     pub lacks: &'a dyn Fn(&[FoundEffect]) -> Vec<Deficiency>,
 }
 
-/// What the training data propose; `None` if nothing is missing.
-pub fn proposed<'a, F>(said: &'a Said<F>, training: &Training) -> Option<&'a Said<F>> {
-    let missing = !matches!(said, Said::Nothing) && !training.sound && !training.of_its_class;
+/// What the training data propose; `None` if nothing is missing. `ordinary`: what is left is what any sound device, or a good
+/// transducer, leaves.
+pub fn proposed<F>(said: &Said<F>, ordinary: bool) -> Option<&Said<F>> {
+    let missing = !matches!(said, Said::Nothing) && !ordinary;
     missing.then_some(said)
 }
 
-/// The decision on what is proposed, with the judgement of its model, if it has one, on held-out data.
-pub fn decide<F>(proposed: Option<&Said<F>>, judged: Option<Judged>, beside: Beside) -> Decision {
-    let confirmed = judged.filter(|j| j.confirmed);
-    let laws = match (proposed, confirmed) {
+/// The decision on what is proposed, with its model if held-out data bear it out.
+pub fn decide<F>(proposed: Option<&Said<F>>, model: Option<Borne>, beside: Beside) -> Decision {
+    let laws = match (proposed, model) {
         (Some(Said::Names(named)), Some(model)) => names(named, model),
         (Some(Said::Set(_, set)), Some(model)) => one_of(set, model.effects),
         (Some(_), _) => Decision::of(Verdict::Unknown, Vec::new()),
@@ -154,7 +156,7 @@ fn nothing(steps: Option<FoundEffect>, forbids_none: Option<Forbids>) -> Decisio
 }
 
 /// Sure names. If one of further names is sure to be there, they are a set; if anything else is, they are a part.
-fn names<F>(named: &Named<F>, model: Judged) -> Decision {
+fn names<F>(named: &Named<F>, model: Borne) -> Decision {
     let open = named.more && !named.lead && !named.beside.is_empty();
     let mut effects = model.effects;
     for effect in &mut effects {
@@ -233,9 +235,8 @@ mod tests {
         }
     }
 
-    fn judged(confirmed: bool, accounts: bool, name: Effect) -> Option<Judged> {
-        Some(Judged {
-            confirmed,
+    fn borne(accounts: bool, name: Effect) -> Option<Borne> {
+        Some(Borne {
             accounts,
             trust: 0.96,
             effects: vec![effect(name)],
@@ -245,7 +246,7 @@ mod tests {
     fn one_of_two(beside: Beside) -> Decision {
         let set = vec![(ViscousDamping, 0.6), (Offset, 0.35)];
         let said = Said::Set(model(ViscousDamping), set);
-        decide(Some(&said), judged(true, true, ViscousDamping), beside)
+        decide(Some(&said), borne(true, ViscousDamping), beside)
     }
 
     #[test]
@@ -335,13 +336,12 @@ mod tests {
             more: false,
             lead: false,
         });
-        let of =
-            |confirmed, accounts| decide(Some(&said), judged(confirmed, accounts, Offset), alone());
-        assert_eq!(of(true, true).verdict, Verdict::Effect);
-        assert_eq!(of(true, false).verdict, Verdict::Partial);
-        let q = of(true, true).effects[0].q.unwrap();
+        let of = |model| decide(Some(&said), model, alone());
+        assert_eq!(of(borne(true, Offset)).verdict, Verdict::Effect);
+        assert_eq!(of(borne(false, Offset)).verdict, Verdict::Partial);
+        let q = of(borne(true, Offset)).effects[0].q.unwrap();
         assert!((q - (1.0 - 0.96 * 0.99)).abs() < 1e-12, "{q}");
-        let withdrawn = of(false, true);
+        let withdrawn = of(None);
         assert_eq!(withdrawn.verdict, Verdict::Unknown);
         assert!(withdrawn.effects.is_empty());
     }

@@ -1,8 +1,7 @@
 //! A channel's answer with its decision.
 
 use super::channel::ChannelDiagnosis;
-use super::decision::{Beside, Forbids, decide};
-use super::held_out::Judged;
+use super::decision::{Beside, Borne, Forbids, decide};
 use crate::engine::Said;
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, FoundEffect, Line, Verdict};
@@ -26,28 +25,28 @@ pub struct Heard {
 }
 
 impl Heard {
-    /// An answer that leaves the model as it is.
-    pub fn unchanged(answer: ChannelAnswer, model: &Model) -> Self {
+    /// An answer as it is, with its model.
+    pub fn unchanged(answer: ChannelAnswer, model: Model) -> Self {
         Self {
             found: answer.verdict,
             answer,
             lines: Vec::new(),
-            model: model.clone(),
+            model,
             smooth: None,
         }
     }
 }
 
 impl ChannelDiagnosis<'_> {
-    /// Decides on what is proposed, whose model is judged, and writes the decision into the figures of an answer. `steps`: the
-    /// converter's, if the training data have nothing else.
+    /// Decides on what is proposed, and writes the decision beside the figures of an answer. `model`: what is proposed, if held-out
+    /// data bear it out; `steps`: the converter's, if the training data have nothing else; `with`: the model as it is saved then.
     pub(super) fn heard<F>(
         &self,
         mut answer: ChannelAnswer,
         proposed: Option<&Said<F>>,
-        judged: Option<Judged>,
+        model: Option<Borne>,
         steps: Option<FoundEffect>,
-        model: Model,
+        with: Model,
     ) -> Heard {
         let nothing = proposed.is_none() && steps.is_none() && self.hum.is_none();
         let beside = Beside {
@@ -60,7 +59,7 @@ impl ChannelDiagnosis<'_> {
             hum: self.hum.as_ref().map(|h| h.effect.clone()),
             lacks: &|effects| self.lacks(effects),
         };
-        let decision = decide(proposed, judged, beside);
+        let decision = decide(proposed, model, beside);
         answer.verdict = decision.verdict;
         answer.ordinary &= decision.verdict == Verdict::None;
         answer.effects = decision.effects;
@@ -92,7 +91,7 @@ impl ChannelDiagnosis<'_> {
         Heard {
             found: decision.found,
             lines,
-            ..Heard::unchanged(answer, &model)
+            ..Heard::unchanged(answer, with)
         }
     }
 

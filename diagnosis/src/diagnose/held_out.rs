@@ -7,9 +7,9 @@ use crate::criteria::{
     ACCOUNTS, BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, NOISE, SET_LEAVES, TRANSDUCER,
     WORTH_A_NAME,
 };
-use crate::engine::{self, Asked, Candidate};
+use crate::engine::{self, Asked, Said};
 use crate::model::Model;
-use crate::model::answer::{ChannelAnswer, Errors, FoundEffect, Nearest};
+use crate::model::answer::{ChannelAnswer, Errors, Nearest};
 use crate::model::interval;
 use crate::numbers::signals::rms;
 use crate::prepare::advice::four;
@@ -27,46 +27,27 @@ pub struct Tried<F> {
     pub errors: Errors,
     /// 90 % interval of the decrease of the held-out rms.
     pub gain: [f64; 2],
-}
-
-/// What the decision needs to know of a proposed model.
-pub struct Judged {
     /// The held-out data bear it out.
-    pub confirmed: bool,
-    /// It accounts for the training data: it leaves a small part of the residual, or noise.
+    pub borne_out: bool,
+    /// It accounts for the training data.
     pub accounts: bool,
     /// The credible fraction of its names' probabilities.
     pub trust: f64,
-    /// Its effects with their parameters.
-    pub effects: Vec<FoundEffect>,
 }
 
 impl ChannelDiagnosis<'_> {
-    /// Tries the model of what is proposed; `None` if a signal is missing.
+    /// Tries the model of what is proposed; `None` if there is none. `before`: what the declared model leaves, refitted.
     pub(super) fn tried<A: Asked>(
         &self,
         channel: &ChannelData<A>,
-        candidate: &Candidate<A::Fit>,
+        proposed: &Said<A::Fit>,
         before: &Left,
     ) -> Option<Tried<A::Fit>> {
+        let candidate = proposed.model()?;
         let fit = channel.data.settled(&candidate.model);
         let left = channel.left(&fit)?;
-        Some(Tried {
-            errors: self.errors_left(&left),
-            gain: interval::improvement(&before[1], &left[1], self.train[0].interval_s()),
-            fit,
-            left,
-        })
-    }
-
-    /// Judges the model of a name or a set. `before`: what the declared model leaves, refitted.
-    pub(super) fn judged<A: Asked>(
-        &self,
-        channel: &ChannelData<A>,
-        (candidate, is_set): (&Candidate<A::Fit>, bool),
-        tried: &Tried<A::Fit>,
-        before: &Left,
-    ) -> Judged {
+        let errors = self.errors_left(&left);
+        let gain = interval::improvement(&before[1], &left[1], self.train[0].interval_s());
         // A model that does not reach the noise must explain most: a law not in the table may be the cause.
         let most = if candidate.evidence.left_rms() < 1.0 {
             1.0 - WORTH_A_NAME
@@ -78,41 +59,28 @@ impl ChannelDiagnosis<'_> {
         let beyond = |rms: f64| (rms * rms - noise * noise).max(0.0).sqrt();
         let refitted = self.errors_left(before).test_rms;
         let had = beyond(self.without_refit_of(&candidate.names, refitted));
-        let has = beyond(tried.errors.test_rms);
+        let has = beyond(errors.test_rms);
         // Held-out data that have died down to the noise are evidence neither way.
-        let evidence = had.max(has) > 0.0;
-        let confirmed = !evidence || has <= most * had && (tried.gain[0] > 0.0 || is_set);
-        let effects = if confirmed {
-            channel.data.figures(&tried.fit)
-        } else {
-            Vec::new()
-        };
-        let of = |(name, values): (Effect, Vec<_>)| FoundEffect::new(name, values);
-        Judged {
-            confirmed,
-            accounts: self.accounts(channel, before, tried),
+        let better = has <= most * had && (gain[0] > 0.0 || matches!(proposed, Said::Set(..)));
+        let borne_out = had.max(has) == 0.0 || better;
+        let floor = channel.noise.rms.min(refitted).min(errors.test_rms);
+        Some(Tried {
+            borne_out: borne_out && !matches!(proposed, Said::Unknown(_)),
+            accounts: self.accounts(before, &left, floor, channel.told),
             trust: engine::trust(&candidate.evidence),
-            effects: effects.into_iter().map(of).collect(),
-        }
+            fit,
+            left,
+            errors,
+            gain,
+        })
     }
 
-    /// True if a model accounts for the training data while they move.
-    fn accounts<A: Asked>(
-        &self,
-        channel: &ChannelData<A>,
-        before: &Left,
-        tried: &Tried<A::Fit>,
-    ) -> bool {
-        let declared = self.errors_left(before).test_rms;
-        let noise = channel.noise.rms.min(declared).min(tried.errors.test_rms);
+    /// True if a model leaves the training data a small part of their residual while they move, or noise.
+    fn accounts(&self, before: &Left, left: &Left, noise: f64, told: bool) -> bool {
         let share = ACCOUNTS * while_moving(&before[0], self.train);
-        let known = if channel.told {
-            BESIDE_NOISE
-        } else {
-            f64::INFINITY
-        };
+        let known = if told { BESIDE_NOISE } else { f64::INFINITY };
         let most = share.min(known * noise).max(NOISE * noise);
-        while_moving(&tried.left[0], self.train) <= most
+        while_moving(&left[0], self.train) <= most
     }
 
     /// Held-out rms error, the baseline for a model of these names. If one of them is an error of a declared parameter,
