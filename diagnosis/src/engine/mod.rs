@@ -8,7 +8,7 @@
 //! beam       the only search: a set, one more term at a time      search     sets of laws by their products
 //! polish     a model's shapes at their best                       free       the rival without a name
 //! exact      if a law leaves noise, every sample counts           naming     a fit under each name of its force
-//! posterior  the probability of each name                         verdict    the decision on them
+//! posterior  the probability of each name                         verdict    what they allow to propose
 //! settle     the chosen model fitted down to the noise            sliding    friction where it slides
 //! unknowns   what a fit may move, with its covariance             figures    a name's parameters with intervals
 //! elsewhere  another cut-off, judged with what was found          asked      what an answer needs from a channel
