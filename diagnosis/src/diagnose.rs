@@ -147,26 +147,57 @@ pub fn diagnose(
     })
 }
 
-/// Restricts errors to measured samples: residuals are 0 where nothing was measured.
-fn correct_errors(answer: &mut ChannelAnswer, train: &[Recording], test: &[Recording]) {
-    let [train, test] = [train, test].map(|records| {
-        let all: usize = records.iter().map(|r| r.time_s.len()).sum();
-        let lost: usize = records.iter().map(|r| r.unmeasured().len()).sum();
-        (all as f64 / (all - lost).max(1) as f64).sqrt()
-    });
-    let errors = [
-        &mut answer.error_declared,
-        &mut answer.error_before,
-        &mut answer.error_after,
-    ];
-    for e in errors.into_iter().chain(&mut answer.error_with_remainder) {
-        e.train_nrmse *= train;
-        e.test_nrmse *= test;
-        e.test_rms *= test;
-    }
-}
-
 impl ChannelDiagnosis<'_> {
+    /// The decision on the channel, without hum if it is much of what an answer leaves.
+    fn judge(&self, model: &Model) -> Heard {
+        let heard = self.assess(model);
+        self.beside_hum(&heard.answer, model).unwrap_or(heard)
+    }
+
+    fn assess(&self, model: &Model) -> Heard {
+        let without = |answer| Heard::unchanged(answer, model.clone());
+        if let Some(why) = self.obstacle() {
+            return without(self.not_assessed(why));
+        }
+        let cutoff_hz = self.cutoff_hz();
+        let Some(problem) = self.problem(self.train, cutoff_hz) else {
+            return without(self.not_assessed("a signal is missing"));
+        };
+        let Some(noise) = self.noise(cutoff_hz) else {
+            return without(self.errors_without_verdict(&problem, cutoff_hz));
+        };
+        let settled = settle(&problem, &self.base, &noise);
+        let steps = |s: &Problem| self.is_quantisation_only(s, &noise);
+        if let Some(settled) = settled.filter(steps) {
+            return self.nothing_but_steps(&settled, &noise, cutoff_hz, model);
+        }
+        let answer = match self.base.channel {
+            Channel::Specimen => self.specimen_by_engine(model),
+            Channel::Actuator => self.actuator_by_engine(noise, model),
+        };
+        answer.unwrap_or_else(|| without(self.errors_without_verdict(&problem, cutoff_hz)))
+    }
+
+    /// Describes an answer: what is left of it, its refitted parameters, their intervals and errors.
+    fn described(&self, mut heard: Heard, improved: &mut Model) -> ChannelAnswer {
+        noise_floor::limit_floor(&mut heard.answer, f64::INFINITY);
+        self.analyse_residual(&mut heard);
+        let mut answer = heard.answer;
+        self.note_disturbances(&mut answer);
+        self.note_low_coherence(&mut answer);
+        self.note_moving_rest(&mut answer);
+        self.state_refit(&mut answer, improved);
+        self.save_nearest(&answer, improved);
+        correct_errors(&mut answer, self.train, self.test);
+        answer
+    }
+
+    /// The records as seen by this channel.
+    fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
+        Problem::new(&self.base, records, cutoff_hz, &[])
+    }
+
+    /// An answer without figures.
     fn blank(&self, verdict: Verdict) -> ChannelAnswer {
         ChannelAnswer {
             channel: self.base.channel,
@@ -199,60 +230,23 @@ impl ChannelDiagnosis<'_> {
             residuals: Default::default(),
         }
     }
+}
 
-    /// Describes an answer: what is left of it, its refitted parameters, their intervals and errors.
-    fn described(&self, mut heard: Heard, improved: &mut Model) -> ChannelAnswer {
-        noise_floor::limit_floor(&mut heard.answer, f64::INFINITY);
-        self.analyse_residual(&mut heard);
-        let mut answer = heard.answer;
-        self.note_disturbances(&mut answer);
-        self.note_low_coherence(&mut answer);
-        self.note_moving_rest(&mut answer);
-        self.state_refit(&mut answer, improved);
-        self.save_nearest(&answer, improved);
-        correct_errors(&mut answer, self.train, self.test);
-        answer
-    }
-
-    /// The records as seen by this channel.
-    fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
-        Problem::new(&self.base, records, cutoff_hz, &[])
-    }
-
-    /// The decision on the channel: without hum, if it is much of what an answer leaves; none if the output sits at a rail
-    /// that would be mistaken for another effect.
-    fn judge(&self, model: &Model) -> Heard {
-        let mut heard = self.assess(model);
-        if let Some(beside) = self.beside_hum(&heard.answer, model) {
-            heard = beside;
-        }
-        match self.rail(&heard.answer) {
-            Some(why) => Heard::unchanged(self.not_assessed(why), model.clone()),
-            None => heard,
-        }
-    }
-
-    fn assess(&self, model: &Model) -> Heard {
-        let without = |answer| Heard::unchanged(answer, model.clone());
-        if let Some(why) = self.obstacle() {
-            return without(self.not_assessed(why));
-        }
-        let cutoff_hz = self.cutoff_hz();
-        let Some(problem) = self.problem(self.train, cutoff_hz) else {
-            return without(self.not_assessed("a signal is missing"));
-        };
-        let Some(noise) = self.noise(cutoff_hz) else {
-            return without(self.errors_without_verdict(&problem, cutoff_hz));
-        };
-        let settled = settle(&problem, &self.base, &noise);
-        let steps = |s: &Problem| self.is_quantisation_only(s, &noise);
-        if let Some(settled) = settled.filter(steps) {
-            return self.nothing_but_steps(&settled, &noise, cutoff_hz, model);
-        }
-        let answer = match self.base.channel {
-            Channel::Specimen => self.specimen_by_engine(model),
-            Channel::Actuator => self.actuator_by_engine(noise, model),
-        };
-        answer.unwrap_or_else(|| without(self.errors_without_verdict(&problem, cutoff_hz)))
+/// Restricts errors to measured samples: residuals are 0 where nothing was measured.
+fn correct_errors(answer: &mut ChannelAnswer, train: &[Recording], test: &[Recording]) {
+    let [train, test] = [train, test].map(|records| {
+        let all: usize = records.iter().map(|r| r.time_s.len()).sum();
+        let lost: usize = records.iter().map(|r| r.unmeasured().len()).sum();
+        (all as f64 / (all - lost).max(1) as f64).sqrt()
+    });
+    let errors = [
+        &mut answer.error_declared,
+        &mut answer.error_before,
+        &mut answer.error_after,
+    ];
+    for e in errors.into_iter().chain(&mut answer.error_with_remainder) {
+        e.train_nrmse *= train;
+        e.test_nrmse *= test;
+        e.test_rms *= test;
     }
 }

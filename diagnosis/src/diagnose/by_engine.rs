@@ -205,7 +205,7 @@ impl ChannelDiagnosis<'_> {
         }
         answer.traces = self.engine_traces(&before[1], &left[1]);
         answer.residuals = left;
-        let mut heard = self.heard(answer, proposed, borne, steps, with);
+        let mut heard = self.heard(answer, proposed, borne, steps, [model, &with]);
         if let (Some(near), Verdict::Unknown) = (near, heard.found) {
             let name = found.said.likeliest().unwrap_or(Effect::Offset);
             heard.answer.nearest = Some(self.nearest(name, channel.data, &near, &before, model));

@@ -45,11 +45,11 @@ impl ChannelDiagnosis<'_> {
         if self.base.channel != Channel::Specimen || !open || !heard.lines.is_empty() {
             return None;
         }
-        let all = || self.train.iter().chain(self.test);
         let band = |r: &Recording| motion_band_hz(r.displacement_mm.as_ref()?, r.interval_s());
-        let bands: Vec<f64> = all().map(band).collect::<Option<_>>()?;
+        let bands: Vec<f64> = self.train.iter().map(band).collect::<Option<_>>()?;
         let lowest = BAND_ROOM * bands.into_iter().fold(0.0, f64::max);
-        let slowest_s = all().map(Recording::interval_s).fold(0.0, f64::max);
+        let both = self.train.iter().chain(self.test);
+        let slowest_s = both.map(Recording::interval_s).fold(0.0, f64::max);
         let usual = CUTOFFS.map(|c| (c, NoiseOf::EachMotion));
         let frequent = FINE_CUTOFFS.map(|c| (c, NoiseOf::QuietestPart));
         let tried = usual.into_iter().chain(frequent);

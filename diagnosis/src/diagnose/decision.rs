@@ -24,6 +24,8 @@ pub struct Decision {
     pub members: Vec<Member>,
     /// Why it is not `none` although the training data have nothing.
     pub forbids_none: Option<Forbids>,
+    /// Why there is no verdict although there are names.
+    pub forbids_names: Option<String>,
     /// Why the motion cannot tell names apart.
     pub lacks: Vec<String>,
 }
@@ -56,6 +58,8 @@ pub struct Beside<'a> {
     pub steps: Option<FoundEffect>,
     /// Why it is not `none` if the training data have nothing.
     pub forbids_none: Option<Forbids>,
+    /// Why there is no verdict if the names are not those of a limit: the output sits at its rail.
+    pub rail: &'a dyn Fn() -> Option<String>,
     /// Hum in the reading, which was taken off.
     pub hum: Option<FoundEffect>,
     /// What a motion lacks to tell names from others.
@@ -77,7 +81,7 @@ pub fn decide<F>(proposed: Option<&Said<F>>, model: Option<Borne>, beside: Besid
         (Some(_), _) => Decision::of(Verdict::Unknown, Vec::new()),
         (None, _) => nothing(beside.steps, beside.forbids_none),
     };
-    let mut decision = laws.with_hum(beside.hum);
+    let mut decision = laws.with_hum(beside.hum).unless(beside.rail);
     for lack in (beside.lacks)(&decision.effects) {
         decision.widen(lack);
     }
@@ -97,6 +101,7 @@ impl Decision {
             alternatives: Vec::new(),
             members: Vec::new(),
             forbids_none: None,
+            forbids_names: None,
             lacks: Vec::new(),
         }
     }
@@ -114,6 +119,19 @@ impl Decision {
         };
         self.verdict = self.found;
         self
+    }
+
+    /// No verdict if the output sits at its rail and the names are not those of a limit.
+    fn unless(self, rail: &dyn Fn() -> Option<String>) -> Self {
+        let is_limit = |e: &FoundEffect| e.name == Effect::Saturation;
+        let named = !self.effects.is_empty() && !self.effects.iter().any(is_limit);
+        match named.then(rail).flatten() {
+            None => self,
+            why => Self {
+                forbids_names: why,
+                ..Self::of(Verdict::NotAssessed, Vec::new())
+            },
+        }
     }
 
     /// With the names that a motion cannot tell from those given, if any: then all of them are a set.
@@ -209,7 +227,7 @@ mod tests {
     use crate::engine::score::Evidence;
     use Effect::{
         BilinearHysteresis, ChannelSkew, CoulombFriction, MainsHum, Offset, Quantisation,
-        ViscousDamping,
+        Saturation, ViscousDamping,
     };
 
     fn effect(name: Effect) -> FoundEffect {
@@ -220,6 +238,7 @@ mod tests {
         Beside {
             steps: None,
             forbids_none: None,
+            rail: &|| None,
             hum: None,
             lacks: &|_| Vec::new(),
         }
@@ -292,6 +311,25 @@ mod tests {
             decide(Some(&unknown), None, alone()).verdict,
             Verdict::Unknown
         );
+    }
+
+    /// What is cut off at a rail passes for another effect, and is a limit.
+    #[test]
+    fn an_output_at_its_rail_has_no_names_but_a_limit() {
+        let at_rail = || Beside {
+            rail: &|| Some("it is clipped".into()),
+            ..alone()
+        };
+        let of = |name| {
+            let said = Said::Set(model(name), vec![(name, 0.6), (CoulombFriction, 0.35)]);
+            decide(Some(&said), borne(true, name), at_rail())
+        };
+        let clipped = of(Offset);
+        assert_eq!(clipped.verdict, Verdict::NotAssessed);
+        assert_eq!(clipped.forbids_names.as_deref(), Some("it is clipped"));
+        assert!(clipped.effects.is_empty() && clipped.members.is_empty());
+        assert_eq!(of(Saturation).verdict, Verdict::Ambiguous);
+        assert_eq!(decide::<()>(None, None, at_rail()).verdict, Verdict::None);
     }
 
     /// What the motion cannot tell is said of a set's other members, too, and takes nothing from the others.

@@ -59,7 +59,7 @@ impl ChannelDiagnosis<'_> {
             answer.residuals = [learned, left];
         }
         let steps = self.steps(noise);
-        let mut heard = self.heard::<()>(answer, None, None, steps, model.clone());
+        let mut heard = self.heard::<()>(answer, None, None, steps, [model; 2]);
         if heard.found != Verdict::Unknown {
             heard
                 .answer

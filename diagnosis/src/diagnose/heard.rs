@@ -39,14 +39,15 @@ impl Heard {
 
 impl ChannelDiagnosis<'_> {
     /// Decides on what is proposed, and writes the decision beside the figures of an answer. `model`: what is proposed, if held-out
-    /// data bear it out; `steps`: the converter's, if the training data have nothing else; `with`: the model as it is saved then.
+    /// data bear it out; `steps`: the converter's, if the training data have nothing else; the models: as declared, and with
+    /// what is proposed.
     pub(super) fn heard<F>(
         &self,
         mut answer: ChannelAnswer,
         proposed: Option<&Said<F>>,
         model: Option<Borne>,
         steps: Option<FoundEffect>,
-        with: Model,
+        [declared, with]: [&Model; 2],
     ) -> Heard {
         let nothing = proposed.is_none() && steps.is_none() && self.hum.is_none();
         let beside = Beside {
@@ -56,10 +57,14 @@ impl ChannelDiagnosis<'_> {
             } else {
                 None
             },
+            rail: &|| self.rail(&answer.unit),
             hum: self.hum.as_ref().map(|h| h.effect.clone()),
             lacks: &|effects| self.lacks(effects),
         };
         let decision = decide(proposed, model, beside);
+        if let Some(why) = decision.forbids_names {
+            return Heard::unchanged(self.not_assessed(why), declared.clone());
+        }
         answer.verdict = decision.verdict;
         answer.ordinary &= decision.verdict == Verdict::None;
         answer.effects = decision.effects;
@@ -91,7 +96,7 @@ impl ChannelDiagnosis<'_> {
         Heard {
             found: decision.found,
             lines,
-            ..Heard::unchanged(answer, with)
+            ..Heard::unchanged(answer, with.clone())
         }
     }
 

@@ -20,17 +20,15 @@ impl ChannelDiagnosis<'_> {
         }
         let [clean_train, clean_test, clean_rest] =
             [self.train, self.test, self.rest].map(without_mains);
-        let longest = self
-            .test
-            .iter()
-            .zip(&clean_test)
-            .max_by_key(|(r, _)| r.time_s.len())?;
+        // Held-out data choose no name.
+        let both = self.train.iter().zip(&clean_train);
+        let longest = both.max_by_key(|(r, _)| r.time_s.len())?;
         let (x, clean) = (
             longest.0.displacement_mm.as_ref()?,
             longest.1.displacement_mm.as_ref()?,
         );
         let hum_mm = rms(&[difference(x, clean)]);
-        let left_mm = with.error_after.test_rms;
+        let left_mm = rms(&with.residuals[0]);
         if hum_mm * hum_mm < LINES * left_mm * left_mm {
             return None;
         }

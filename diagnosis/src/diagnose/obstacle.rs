@@ -1,12 +1,11 @@
 //! Obstacles to a verdict: signals that are missing, constant, or at their rails.
 
 use super::channel::ChannelDiagnosis;
-use crate::model::answer::ChannelAnswer;
 use crate::numbers::signals::mean;
 use crate::prepare::plausible;
 use crate::record::converter_step;
 use crate::record::recording::{Recording, range};
-use plant::{Channel, Effect};
+use plant::Channel;
 use std::ops::Range;
 
 /// True if converter steps are so large that a signal stays on each for a while.
@@ -45,16 +44,11 @@ impl ChannelDiagnosis<'_> {
         None
     }
 
-    /// An output that is at its ends again and again, if the answer names effects, and the likeliest are no limit.
-    pub(super) fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
-        let mut named = answer.effects.iter().map(|e| e.name);
-        let limit = Effect::Saturation;
-        if answer.effects.is_empty() || named.any(|e| e == limit) {
-            return None;
-        }
+    /// An output that is at its ends again and again: what is cut off there passes for an effect other than a limit.
+    pub(super) fn rail(&self, unit: &str) -> Option<String> {
         let (what, unit) = match self.base.channel {
             Channel::Actuator => ("displacement", "mm"),
-            Channel::Specimen => ("force", answer.unit.as_str()),
+            Channel::Specimen => ("force", unit),
         };
         let stands = |r: &Recording| {
             let input = self.input_of(r).map(Vec::as_slice);
@@ -80,8 +74,8 @@ impl ChannelDiagnosis<'_> {
         let end = if at > mean(x) { "largest" } else { "smallest" };
         format!(
             "{}: the {what} of the {} is clipped: it stays at its {end} value, {at:.4} {unit}, again and again, the longest \
-             from {:.3} s to {:.3} s{so}. Record with a wider range of the amplifier and the converter, or give spans \
-             without these times (FILE@T0..T1)",
+             from {:.3} s to {:.3} s{so}. Record with a wider range of the amplifier and the converter, or keep the \
+             file and give spans without these times (FILE@T0..T1)",
             r.name,
             self.base.channel.name(),
             r.time_s[stop.start],

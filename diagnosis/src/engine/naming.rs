@@ -96,8 +96,10 @@ fn other_names(data: &SpecimenData, fit: &SpecimenModelFit, i: usize, keeps: f64
     };
     let mut all = Vec::from_iter(other(i));
     all.extend(match fit.names[i] {
-        // Damping, mass and what else a clip would also limit tell it from a spring that softens.
-        Effect::Saturation if has_only(0) && data.is_alone(fit, i) => vec![Effect::Softening],
+        // Damping, mass and what else a clip would also limit tell it from a spring that softens, and so does a corner.
+        Effect::Saturation if has_only(0) && data.is_alone(fit, i) && !data.has_a_corner(own) => {
+            vec![Effect::Softening]
+        }
         // A late dashpot is one behind its brace: only a spring or a mass would tell the difference.
         Effect::ChannelSkew if late_s.is_some_and(|s| s > 0.0) && has_only(1) => {
             vec![Effect::MaxwellDamper]

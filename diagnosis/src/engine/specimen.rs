@@ -24,6 +24,8 @@ const ROOT_3: f64 = 1.732;
 
 /// The end of a reading's range, as a fraction of the largest force read: with noise that is a little more.
 const REACHED: f64 = 0.985;
+/// Sharpness of a limit above which it ends in a corner; of a spring that softens as `tanh` it would be 2.5.
+const A_CORNER: f64 = 10.0;
 
 /// Step for the slope of what a range lets pass, as a fraction of the largest force.
 const PASSES_STEP: f64 = 1e-6;
@@ -404,6 +406,16 @@ impl<'a> SpecimenData<'a> {
         let ranges: Vec<Term> = ranges.collect();
         let pairs = soft.flat_map(|i| ranges.iter().map(move |r| (i, *r)));
         pairs.map(of).collect()
+    }
+
+    /// True if a range ends in a corner that no spring has.
+    pub fn has_a_corner(&self, range: Term) -> bool {
+        let Form::Effect(candidate) = self.rows[range.row].form else {
+            return false;
+        };
+        let own = (candidate.parameters)(&[1.0], &range.shape, &self.sizes.scales);
+        let sharpness = own.iter().find(|p| p.0 == "sharpness");
+        sharpness.is_none_or(|p| p.2 > A_CORNER)
     }
 
     /// True if the force of all terms before one of a fit's is within the noise.

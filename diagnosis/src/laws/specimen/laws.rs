@@ -77,6 +77,9 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec
     x.iter().map(step).collect()
 }
 
+/// Relative step of Newton's method whose square is below the numbers' resolution.
+const CLOSE: f64 = 1e-9;
+
 /// Friction in series with a spring: `z' = (x' - creep |z|^n sign z) / yield_at`, an implicit step.
 pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
@@ -89,7 +92,12 @@ pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) 
         let mut y = size.min((size / share.max(1e-300)).powf(1.0 / n));
         for _ in 0..4 {
             let p = y.powf(n - 1.0);
-            y = (y - (y + share * p * y - size) / (1.0 + share * n * p)).max(0.0);
+            let closer = (y - (y + share * p * y - size) / (1.0 + share * n * p)).max(0.0);
+            let reached = (y - closer).abs() <= CLOSE * y;
+            y = closer;
+            if reached {
+                break;
+            }
         }
         z = y * aim.signum();
         z
