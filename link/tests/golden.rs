@@ -22,7 +22,7 @@ use outerloop_core::coupled::{
 use outerloop_core::watch::{
     Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Instructions, PARTS, State,
 };
-use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Structure, Trip};
+use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Prediction, Structure, Trip};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -498,8 +498,13 @@ fn all_bytes() -> String {
             &command.encode(7).unwrap(),
         );
     }
-    // Force law and predictor. One of a pair stands in each of these lines.
-    for method in Method::ALL {
+    // Force law and predictor. What a program brings itself is in no list, and its number travels all the same.
+    let own = [
+        Method::Own,
+        Method::OwnForce,
+        Method::OwnForce.behind(Prediction::Own),
+    ];
+    for method in Method::ALL.into_iter().chain(own) {
         let mut room = [0; 2];
         let bytes = postcard::to_slice(&method, &mut room).unwrap();
         writeln!(text, "method {method}: {:02x}{:02x}", bytes[0], bytes[1]).unwrap();
