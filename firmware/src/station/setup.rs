@@ -132,7 +132,7 @@ fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
         return Err(Refusal {
             name: "loop.rate_hz",
             value: rate_hz,
-            accepted: "whole divisors of the sampling timer's 84 MHz, from 100 Hz to what the link's telemetry carries (see identify)",
+            accepted: "whole divisors of the sampling timer's clock, from 100 Hz to what the link's telemetry carries (see identify)",
         });
     }
     Ok(period_ticks)
