@@ -1,4 +1,4 @@
-//! Every file of tests is in CONTRIBUTING's table of tiers, and the tiers' lists name existing files.
+//! Every file of tests is in CONTRIBUTING's table of tiers, in the row of its tier, and the tiers' lists name existing files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -24,16 +24,55 @@ fn files_of_tests() -> BTreeSet<String> {
     names
 }
 
+/// Files of which some tests run in another tier than the rest.
+const IN_PARTS: [&str; 10] = [
+    "field",
+    "improve",
+    "qemu",
+    "records",
+    "rig",
+    "rig16",
+    "rig3",
+    "scenarios",
+    "verbs",
+    "watch",
+];
+
 #[test]
 fn every_file_of_tests_stands_in_the_table_of_tiers() {
     let text = std::fs::read_to_string(top().join("CONTRIBUTING.md")).unwrap();
     let (_, table) = text.split_once("## Which tests hold what").unwrap();
     let (table, _) = table.split_once("\n## ").unwrap();
-    let mut missing = files_of_tests();
-    // It is flashed and run on a board by hand.
-    missing.remove("on_target");
-    missing.retain(|name| !table.contains(&format!("`{name}`")));
-    assert!(missing.is_empty(), "in no row: {missing:?}");
+    let tiers = std::fs::read_to_string(top().join("scripts/tiers")).unwrap();
+    let list = |head: &str| -> BTreeSet<&str> {
+        let (_, list) = tiers.split_once(&format!("\n{head}=(")).unwrap();
+        list.split_once(')').unwrap().0.split_whitespace().collect()
+    };
+    let [everyday, clocked, nightly] = ["everyday", "everyday_clocked", "nightly"].map(list);
+    // Tier and files of each row.
+    let rows: Vec<(&str, &str)> = table
+        .lines()
+        .filter_map(|line| line.strip_prefix("| "))
+        .filter_map(|row| row.split_once(" | "))
+        .map(|(tier, rest)| (tier.trim_matches('`'), rest.split(" | ").next().unwrap()))
+        .collect();
+    for name in files_of_tests() {
+        let is_in = |list: &BTreeSet<&str>| list.contains(name.as_str());
+        let tier = match name.as_str() {
+            // It is flashed and run on a board by hand.
+            "on_target" => continue,
+            "verbs" => "everyday",
+            _ if is_in(&everyday) || is_in(&clocked) => "everyday",
+            _ if is_in(&nightly) => "nightly",
+            _ => "--all",
+        };
+        let named = format!("`{name}`");
+        let found = rows.iter().filter(|(_, files)| files.contains(&named));
+        let found: BTreeSet<&str> = found.map(|(tier, _)| *tier).collect();
+        assert!(found.contains(tier), "{name} is in no row of {tier}");
+        let in_parts = IN_PARTS.contains(&name.as_str());
+        assert!(in_parts || found.len() == 1, "{name}: {found:?}");
+    }
 }
 
 #[test]
