@@ -89,3 +89,20 @@ fn converters_are_one_folder_one_binary_and_its_line_in_the_list() {
         assert!(folders.iter().any(|f| file.starts_with(f)), "{file}");
     }
 }
+
+/// Who writes a second chip finds every file of the first one in the section.
+#[test]
+fn the_section_on_a_chip_names_every_file_of_the_one_there_is() {
+    let text = std::fs::read_to_string(top().join("CONTRIBUTING.md")).unwrap();
+    let (_, section) = text.split_once("## Add a chip").unwrap();
+    let (section, _) = section.split_once("\n## ").unwrap();
+    let mut files = 0;
+    for file in top().join("firmware/src/chip/f429").read_dir().unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        // `mod.rs` lists the others.
+        let named = name == "mod.rs" || section.contains(&format!("`{name}`"));
+        assert!(named, "{name}");
+        files += 1;
+    }
+    assert!(files >= 10, "{files}");
+}
