@@ -286,7 +286,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
             }
         };
         let last = self.in_force.last();
-        self.see(last, observer);
+        self.observe(last, observer);
         let rig = self.in_force.mirror().rig().cloned();
         let ending = self.ending(ended, lost, began.elapsed().as_secs_f64());
         Ok((ending, rig))
@@ -298,7 +298,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
         let interrupted = interrupt::asked();
         let before = self.in_force.steps();
         let record = self.in_force.next(self.board)?;
-        self.see(record, observer);
+        self.observe(record, observer);
         // An observer counts steps by how often it is called.
         if self.in_force.steps() > before {
             self.do_as_asked(observer)?;
@@ -338,7 +338,7 @@ impl<P: Port, const N: usize, R: Rig<N>> Test<'_, '_, P, N, R> {
     }
 
     /// Shows the observer a record, if one came.
-    fn see(&mut self, record: Option<Record<N>>, observer: &mut dyn TestObserver) {
+    fn observe(&mut self, record: Option<Record<N>>, observer: &mut dyn TestObserver) {
         let Some(record) = record else {
             return;
         };

@@ -231,7 +231,7 @@ impl Judge {
     }
 
     /// Tracks the size of the motion.
-    pub(super) fn see(&mut self, k: &Constants, row: &Row) {
+    pub(super) fn observe(&mut self, k: &Constants, row: &Row) {
         self.speed = row.y[1].abs();
         self.limits = row.limits;
         let x = row.x[0].abs();

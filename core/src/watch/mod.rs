@@ -275,7 +275,7 @@ impl Watch {
         let changed = self.look_at_block(block);
         if let Some(row) = row {
             let k = &self.constants;
-            self.judge.see(&k.judge, &row);
+            self.judge.observe(&k.judge, &row);
             let [actuator, specimen] = k.has;
             let unloading = specimen.then(|| self.unloading.add(&row)).flatten();
             let kinds = [actuator, specimen && self.judge.elastic];

@@ -178,7 +178,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     /// The tasks' part: the next waiting report, if any.
     pub fn take_in(&mut self) -> Option<Report> {
         let report = self.reports.dequeue()?;
-        self.service.see(&report);
+        self.service.observe(&report);
         Some(report)
     }
 

@@ -166,7 +166,7 @@ impl Service {
 
     /// Takes a step's report; true if the verdict of the rig watch has changed. Must be called at least every 8 blocks
     /// of the watch (16 ms at 2 kHz), or the watch ends.
-    pub fn see(&mut self, report: &Report) -> bool {
+    pub fn observe(&mut self, report: &Report) -> bool {
         for (actuator, windows) in self.windows.iter_mut().enumerate() {
             let codes = report.step.codes(actuator).unwrap_or_default();
             for (window, code) in windows.iter_mut().zip(codes) {

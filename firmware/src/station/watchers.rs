@@ -1,8 +1,8 @@
 //! The rig watch beside the loop: the interrupt reports steps and takes orders, the tasks judge in between.
 //!
 //! ```text
-//!  control interrupt   hand_over: a step's Report ─►┐                          ┌─► Judged, OrdersOf ─► in force 8 blocks later
-//!  tasks                                            └─► Watchers::see: blocks ─┘
+//!  control interrupt   hand_over: a step's Report ─►┐                              ┌─► Judged, OrdersOf ─► in force 8 blocks later
+//!  tasks                                            └─► Watchers::observe: blocks ─┘
 //! ```
 //!
 //! An answer that is late or lost ends the watch of the test, and the records say so (`core/src/watch/post.rs`).
@@ -228,7 +228,7 @@ impl<'a> Watchers<'a> {
 
     /// Adds control step `tick`, and judges the block that it fills, a bounded piece of work timed by `now`; true if
     /// state or set have changed.
-    pub fn see(
+    pub fn observe(
         &mut self,
         tick: u32,
         test: Option<NonZeroU8>,

@@ -111,7 +111,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         for (place, seen) in seen.iter_mut().zip(outer.seen()) {
             *place = seen;
         }
-        watchers.see(time.steps(), watched.test, &seen, || 0);
+        watchers.observe(time.steps(), watched.test, &seen, || 0);
     }
     pc.end(&SessionAccount {
         hash,

@@ -77,7 +77,7 @@ impl Service {
             ];
         }
         let (test, now) = (report.watched.test, self.board.now);
-        self.watchers.see(report.tick, test, &seen, now)
+        self.watchers.observe(report.tick, test, &seen, now)
     }
 
     /// The state from the rig watch, of the worst actuator.

@@ -121,7 +121,7 @@ impl Reporter {
         let mut service = self.service.borrow_mut();
         let mut changed = false;
         while let Some(report) = self.reports.dequeue() {
-            changed |= service.see(&report);
+            changed |= service.observe(&report);
             lights::show(report.step.flags);
             if self.waiting.push_back((report.tick, report.step)).is_err() {
                 service.count_dropped();
