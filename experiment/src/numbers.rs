@@ -57,6 +57,14 @@ pub fn percent(share: f64) -> String {
     format!("{} %", three(share * 100.0))
 }
 
+/// The share by which a small motion grows in a second, in per cent; no figure above a million, which means nothing there.
+pub fn growth_percent(share: f64) -> String {
+    match share > 1e4 {
+        true => "more than 1e6 %".into(),
+        false => percent(share),
+    }
+}
+
 /// An error in a table; infinite where the test tripped or ran away.
 pub fn percent_or_lost(error: f64) -> String {
     if error.is_finite() {
@@ -115,6 +123,18 @@ mod tests {
             (f64::INFINITY, "infinite"),
         ] {
             assert_eq!(three(x), text);
+        }
+    }
+
+    #[test]
+    fn a_growth_beyond_a_million_has_no_figure() {
+        for (share, text) in [
+            (-0.05, "-5.00 %"),
+            (5000.0, "500000 %"),
+            (9.03e154, "more than 1e6 %"),
+            (f64::INFINITY, "more than 1e6 %"),
+        ] {
+            assert_eq!(growth_percent(share), text);
         }
     }
 

@@ -5,7 +5,7 @@ use super::section::TestSection;
 use crate::document::plot::{Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG, plot};
 use crate::document::{Document, Table, table};
 use experiment::Experiment;
-use experiment::numbers::{length, percent, percent_or_lost, three};
+use experiment::numbers::{growth_percent, length, percent, percent_or_lost, three};
 use experiment::soundness::Judgement;
 use experiment::stability::Stability;
 use experiment::stability::growth::SmallMotions;
@@ -73,7 +73,7 @@ pub fn of_check(c: &CheckSection<'_>) -> Document {
         p.unstable,
         p.spread.plants,
         deviations(a),
-        or_dash(p.worst_growth_per_s.exp_m1()),
+        grown(p.worst_growth_per_s),
         or_dash(p.least_damping_ratio),
     ));
     for note in &a.notes {
@@ -231,6 +231,14 @@ fn or_dash(value: f64) -> String {
     }
 }
 
+/// Growth in a second; a dash where it could not be measured.
+fn grown(rate_per_s: f64) -> String {
+    match rate_per_s.is_finite() {
+        true => growth_percent(rate_per_s.exp_m1()),
+        false => "-".into(),
+    }
+}
+
 fn compensations(a: &Stability) -> Table {
     let mut t = table(&[
         "compensation",
@@ -242,7 +250,7 @@ fn compensations(a: &Stability) -> Table {
         t.add_row([
             format!("{}{here}", r.compensation),
             r.word().to_owned(),
-            or_dash(r.growth_per_s.exp_m1()),
+            grown(r.growth_per_s),
             or_dash(r.damping_ratio),
         ]);
     };

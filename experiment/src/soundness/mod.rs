@@ -18,7 +18,7 @@ use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::numbers::{percent, percent_or_lost};
+use crate::numbers::{growth_percent, percent, percent_or_lost};
 use crate::stability::growth::is_linear;
 use crate::stability::perturbed::Spread;
 use crate::stability::small_motion::Learning;
@@ -275,7 +275,10 @@ fn of_small_and_planned_motion(
             .filter(|small| !small.stable)
             .map(|small| match small.growth_per_s.exp_m1() {
                 a_second if a_second.is_finite() => {
-                    format!("small motions grow by {} a second", percent(a_second))
+                    format!(
+                        "small motions grow by {} a second",
+                        growth_percent(a_second)
+                    )
                 }
                 _ => "small motions grow at once".to_owned(),
             });

@@ -26,7 +26,7 @@ pub mod variation;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::numbers::percent;
+use crate::numbers::{growth_percent, percent};
 use crate::rig::Departures;
 use growth::{LoopMode, Question, SmallMotions};
 use limits::{DelayPart, StabilityLimits};
@@ -158,7 +158,7 @@ pub fn answer(
             "the predictor learns: its small motions are those of what it has learnt; as it was declared the response {} by \
              {} a second until then",
             if start.stable { "decays" } else { "grows" },
-            percent(start.growth_per_s.exp_m1().abs())
+            growth_percent(start.growth_per_s.exp_m1().abs())
         ));
     }
     if !answer.row.stable && answer.row.decides {
@@ -197,7 +197,7 @@ fn reason(a: &Stability, mut would: Vec<String>) -> String {
         a.row.compensation,
         a.limits.delay.present,
         a.first_hz / a.time_scale,
-        percent(a.row.growth_per_s.exp_m1()),
+        growth_percent(a.row.growth_per_s.exp_m1()),
         would.join(", or "),
     )
 }
