@@ -29,7 +29,7 @@ impl Controller for Ahead {
 /// Its entry in the table.
 static ENTRY: Outside = Outside {
     name: "ahead",
-    told: "the delay",
+    prior_knowledge: "the delay",
     make: |_: &DeclaredPlant| {
         Box::new(Ahead {
             samples: 0.025 * RATE_HZ,

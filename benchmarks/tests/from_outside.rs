@@ -18,7 +18,7 @@ fn a_controller_from_outside_gets_a_row_of_every_case() {
         .collect();
     assert_eq!((theirs.len(), published.len()), (4, 4));
     for (row, baseline) in theirs.iter().zip(published) {
-        assert_eq!((row.told, row.perturbed), ("the delay", 3));
+        assert_eq!((row.prior_knowledge, row.perturbed), ("the delay", 3));
         // At 2 to 4 Hz, linear extrapolation by 25 ms leaves an error of (omega tau)^2 / 2, and the actuator's gain adds
         // some per cent.
         assert!(row.j2_true > 1.0 && row.j2_true < 30.0, "{}", row.j2_true);

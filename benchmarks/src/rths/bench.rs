@@ -31,7 +31,7 @@ pub struct RthsRow {
     /// Name of the controller.
     pub controller: String,
     /// What it knows beside target and readings.
-    pub told: &'static str,
+    pub prior_knowledge: &'static str,
     /// Number of the case.
     pub case: u8,
     /// Name of the ground motion.
@@ -332,7 +332,7 @@ fn row<'a>(
 ) -> RthsRow {
     let mut row = RthsRow {
         controller: contestant.name.clone(),
-        told: contestant.told(),
+        prior_knowledge: contestant.prior_knowledge(),
         case: CASES[place].number,
         record: record.name.clone(),
         j: [0.0; 9],

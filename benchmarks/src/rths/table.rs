@@ -81,7 +81,7 @@ pub(super) fn names(rows: &[RthsRow]) -> Vec<&str> {
 pub const HEAD: [&str; 17] = [
     "case",
     "controller",
-    "told",
+    "knows",
     "J1",
     "J2",
     "J2*",
@@ -163,7 +163,7 @@ pub fn cells(row: &RthsRow) -> Vec<String> {
     let mut cells = vec![
         row.case.to_string(),
         row.controller.clone(),
-        row.told.to_owned(),
+        row.prior_knowledge.to_owned(),
     ];
     for (i, j) in row.j.iter().enumerate() {
         cells.push(number(*j));

@@ -12,47 +12,48 @@ use experiment::judged::JudgedRun;
 use experiment::numbers::percent;
 
 /// Tests whose records were diagnosed, and the improved tests.
-pub fn of_improvements(stories: &[(String, &Improvement)], with_page: bool) -> Document {
+pub fn of_improvements(improvements: &[(String, &Improvement)], with_page: bool) -> Document {
     let lead = "A test runs on a rig that has something in it that nobody declared. Its record is diagnosed, what was found goes \
                 into the next test, and that test is judged by the same ideal.";
     let mut d = Document::new("From a record to a better test", lead, with_page);
     d.on_terminal(|d| {
-        for (name, story) in stories {
+        for (name, improvement) in improvements {
             d.say(name);
-            in_short(d, story);
+            in_short(d, improvement);
         }
     });
-    table_of(&mut d, stories);
+    table_of(&mut d, improvements);
     d.on_page(|d| {
-        for (name, story) in stories {
-            section(d, &format!("Test {name}"), story);
+        for (name, improvement) in improvements {
+            section(d, &format!("Test {name}"), improvement);
         }
     });
     d
 }
 
 /// What was found, what was not settled, and what was changed.
-pub(super) fn in_short(d: &mut Document, story: &Improvement) {
+pub(super) fn in_short(d: &mut Document, improvement: &Improvement) {
     let channel = |c: &ChannelAnswer| [headline(c)].into_iter().chain(sureness(c));
     let mut lines: Vec<String> = Vec::new();
-    for c in &story.first.channels {
+    for c in &improvement.first.channels {
         lines.extend(channel(c));
         // If nothing is near, the note gives the reason.
         if c.verdict == Verdict::Unknown && c.nearest.is_none() {
             lines.extend(c.notes.iter().cloned());
         }
     }
-    for designed in &story.designed {
+    for designed in &improvement.designed {
         lines.push(format!("Not settled: {}", plan::summary(&designed.next)));
         lines.push(plan::limits(&designed.next));
         lines.extend(designed.diagnosis.channels.iter().flat_map(channel));
     }
-    lines.extend(story.changes.iter().map(|change| format!("-> {change}")));
+    let changes = improvement.changes.iter();
+    lines.extend(changes.map(|change| format!("-> {change}")));
     d.items(lines);
 }
 
 /// One row per improvement.
-pub(super) fn table_of(d: &mut Document, stories: &[(String, &Improvement)]) {
+pub(super) fn table_of(d: &mut Document, improvements: &[(String, &Improvement)]) {
     let mut t = table(&[
         "test",
         "undeclared",
@@ -64,7 +65,7 @@ pub(super) fn table_of(d: &mut Document, stories: &[(String, &Improvement)]) {
         "then missing",
     ])
     .with_words(3);
-    for (name, s) in stories {
+    for (name, s) in improvements {
         t.add_row([
             name.clone(),
             s.undeclared(),

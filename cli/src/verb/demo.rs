@@ -78,9 +78,9 @@ impl Demo {
                 ideal: &ideal,
             })
         };
-        let story = undeclared()?;
+        let improvement = undeclared()?;
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
-            let document = of_demo(&none, &paper, &rows, &story);
+            let document = of_demo(&none, &paper, &rows, &improvement);
             output::write_all(out, &[("report.html", document.page())])?;
             println!("{}", document.terminal());
             look_at_page(Some(out));

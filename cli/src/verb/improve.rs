@@ -77,11 +77,11 @@ impl Improve {
         for file in &files {
             self.common.load_other(file)?;
         }
-        let mut stories = Vec::new();
+        let mut improvements = Vec::new();
         interrupt::watch();
         for file in &files {
             match self.improve_test(file, out) {
-                Ok(story) => stories.push(story),
+                Ok(improvement) => improvements.push(improvement),
                 // The results of earlier tests are kept.
                 Err(stopped) if interrupt::asked() => {
                     eprintln!("outerloop: {}: {stopped}", file.display());
@@ -92,17 +92,17 @@ impl Improve {
                 break;
             }
         }
-        if stories.is_empty() {
+        if improvements.is_empty() {
             return require_all_ran(0, files.len());
         }
         let named: Vec<(String, &Improvement)> =
-            files.iter().map(|f| stem(f)).zip(&stories).collect();
+            files.iter().map(|f| stem(f)).zip(&improvements).collect();
         let rows = ImprovementRows {
             place: self.place.kind(),
             rows: named.iter().map(|(name, s)| row(name, s)).collect(),
         };
         hand_over_tests(
-            (stories.len(), files.len()),
+            (improvements.len(), files.len()),
             (out, self.common.json),
             || files_of(&named),
             |page| {
@@ -118,7 +118,7 @@ impl Improve {
             .map(|(name, _)| name.as_str())
             .collect();
         if worse.is_empty() {
-            require_all_ran(stories.len(), files.len())
+            require_all_ran(improvements.len(), files.len())
         } else {
             Err(Failure::test(format!(
                 "{}: the second test is worse than the first; do not use what was found (its model is not written)",
@@ -209,18 +209,18 @@ fn stem(test: &Path) -> String {
 }
 
 /// The files besides the page.
-fn files_of(stories: &[(String, &Improvement)]) -> Result<Vec<(String, String)>, Failure> {
+fn files_of(improvements: &[(String, &Improvement)]) -> Result<Vec<(String, String)>, Failure> {
     let mut files = Vec::new();
-    for (name, story) in stories {
-        let improved: &Model = &story.diagnosis.improved;
+    for (name, improvement) in improvements {
+        let improved: &Model = &improvement.diagnosis.improved;
         // A model that made the test worse is not written.
-        if story.outcome() != ImprovementOutcome::Worse {
+        if improvement.outcome() != ImprovementOutcome::Worse {
             files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
         }
-        if let Some(trace) = &story.before.trace {
+        if let Some(trace) = &improvement.before.trace {
             files.push((format!("{name}-record.csv"), record_csv::to_csv(trace)));
         }
-        for (i, d) in story.designed.iter().enumerate() {
+        for (i, d) in improvement.designed.iter().enumerate() {
             let number = i + 1;
             files.push((
                 format!("{name}-designed-{number}.csv"),

@@ -127,9 +127,9 @@ impl Contestant {
     }
 
     /// What it knows besides the target and its readings.
-    pub fn told(&self) -> &'static str {
+    pub fn prior_knowledge(&self) -> &'static str {
         match self.who {
-            Who::Outside(outside) => outside.told,
+            Who::Outside(outside) => outside.prior_knowledge,
             Who::Core(method) => match (method.predictor, self.late_steps > 0.0) {
                 (Prediction::Hydraulic, true) => "structure of plant, its spread, numerical part",
                 (Prediction::Hydraulic, false) => "structure of plant, its spread",

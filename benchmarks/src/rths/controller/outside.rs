@@ -8,7 +8,7 @@ pub struct Outside {
     /// Its name.
     pub name: &'static str,
     /// What it knows beforehand, for the table.
-    pub told: &'static str,
+    pub prior_knowledge: &'static str,
     /// Makes one at rest.
     pub make: fn(&DeclaredPlant) -> Box<dyn Controller>,
 }
@@ -17,12 +17,12 @@ pub struct Outside {
 pub const OUTSIDE: [Outside; 2] = [
     Outside {
         name: "pi-phase-lead",
-        told: "tuned by hand, published",
+        prior_knowledge: "tuned by hand, published",
         make: baseline::make,
     },
     Outside {
         name: "fixed-inverse",
-        told: "plant",
+        prior_knowledge: "plant",
         make: fixed_inverse::make,
     },
 ];
