@@ -25,19 +25,13 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
     })
 }
 
-/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. A quarter was the
-/// aim until limits, calibration and two more methods were added (290 KiB). Live checks of the converters, further
-/// interlocks and refusals that name an unknown number took another 14 to 20, the rig watch 64: its regressions are unrolled
-/// for their sizes, and its instructions are processed in software double precision. Methods that are nowhere the best are
-/// left out: 364 KiB with the chip's own converters, 371 with those for three actuators; with all methods 387 and 393. Most
-/// of it is three sizes of loop with each method, each with its design in double precision.
-///
-/// Images without the loop for two coupled actuators also decode such a test and refuse it in a sentence: 6 KiB more in
-/// each, 370 and 373. PERMIT read back and the load cell's checks took 2; limits that must be able to act, each with its
-/// sentence, 6, for 378 and 381.
+/// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. Most of it is three
+/// sizes of loop with each method, each with its design in double precision. The rig watch takes some 64 KiB: its regressions
+/// are unrolled for their sizes, and its instructions are processed in software double precision. Methods that are nowhere
+/// the best are left out.
 const MOST_FLASH: u64 = 384 * 1024;
 
-/// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: another 42 KiB,
+/// The loop for two coupled actuators, which the image for three has in addition to those of 1 to 3 storeys: some 42 KiB,
 /// mostly its step and its design.
 const COUPLED_FLASH: u64 = 44 * 1024;
 
