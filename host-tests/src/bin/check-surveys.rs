@@ -27,7 +27,8 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Survey {
-    /// Compare the verdicts with what the tests then do: exit status 1 if a test was called stable and ran away
+    /// Compare the verdicts with what the tests then do: exit status 1 if a test was called stable and ran away, or, but for
+    /// --as-declared, if more than 5 % of the sound tests were not called stable
     Verdicts {
         /// How many rigs
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -336,7 +337,7 @@ fn records(arguments: &Arguments) -> Result<bool, Failure> {
     Ok(wrong <= 1)
 }
 
-/// The verdicts over many rigs; true if no test that was called stable ran away.
+/// The verdicts over many rigs; true if they are as good as is required of them.
 fn survey(
     (rigs, of_coupled): (usize, bool),
     known: verdicts::Known,
@@ -375,5 +376,5 @@ fn survey(
         println!("{t}");
         println!("{}", promise.sentence());
     }
-    Ok(promise.ran_away_called_stable == 0)
+    Ok(promise.is_kept(known))
 }

@@ -1,7 +1,7 @@
 //! Targets of verdicts and monitor, and by how much they are missed.
 
 use super::monitor::{BreakageKind, StopCounts};
-use super::verdicts::{ActualOutcome, VerdictCounts};
+use super::verdicts::{ActualOutcome, Known, VerdictCounts};
 use outerloop_core::Prediction;
 use serde::Serialize;
 
@@ -44,6 +44,14 @@ impl SurveyPromise {
             sound_called_unstable: unstable,
             of_them_amb: amb_doubtful + amb_unstable,
         }
+    }
+
+    /// Whether no test that ran away was called stable, and few enough sound ones anything else. With `Known::AsDeclared` only
+    /// the first is required: which actuators within their spread make a test go wrong cannot be known beforehand.
+    pub fn is_kept(&self, known: Known) -> bool {
+        let not_stable = (self.sound_called_doubtful + self.sound_called_unstable) as f64;
+        let few = not_stable <= MOST_DOUBTFUL * self.sound as f64;
+        self.ran_away_called_stable == 0 && (few || matches!(known, Known::AsDeclared))
     }
 
     /// Reached, or missed by how much.
@@ -158,7 +166,10 @@ mod tests {
             kept.contains("0 of 10") && kept.ends_with("reached."),
             "{kept}"
         );
-        let missed = SurveyPromise::of(&rows(6)).sentence();
+        let [kept, missed] = [4, 6].map(|doubtful| SurveyPromise::of(&rows(doubtful)));
+        assert!(kept.is_kept(Known::Rig) && !missed.is_kept(Known::Rig));
+        assert!(missed.is_kept(Known::AsDeclared));
+        let missed = missed.sentence();
         assert!(
             missed.contains("6 of 100, 6.0 %, with 1 called unstable 7.0 %"),
             "{missed}"
