@@ -3,7 +3,7 @@
 use super::channel::ChannelDiagnosis;
 use super::decision::Forbids;
 use super::heard::Heard;
-use crate::criteria::{BESIDE_NOISE, LINES, LITTLE, TRANSDUCER};
+use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::diagnose::expected_error::next_error;
 use crate::diagnose::remainder::{
     Moves, anatomy, clock, correction, is_in, lines, rms_with, tones,
@@ -61,8 +61,6 @@ fn held(found: &[Line], whole: f64) -> f64 {
 const MATTERS: f64 = 0.02;
 /// Fraction for them to be most of it.
 const MOSTLY: f64 = 0.5;
-/// An unknown cause of which no dependence on the motion holds this fraction is not made by it.
-const OF_NO_MOTION: f64 = 0.1;
 /// Largest difference between readings of one line, in a rest of a second or two and in the whole record, Hz.
 const SAME_HZ: f64 = 1.0;
 
@@ -163,10 +161,6 @@ impl ChannelDiagnosis<'_> {
                     && held(&found.lines, rms(test)) > MOSTLY
                     && !self.hunts(r);
             }
-            // Nor does one show what depends on no motion: not on this rig's, and on nothing that is recorded.
-            let largest = found.shares.first().map_or(0.0, |s| s.share);
-            let loud = rms(test) > BESIDE_NOISE * answer.noise_floor_rms;
-            answer.disturbed |= verdict == Verdict::Unknown && loud && largest < OF_NO_MOTION;
             answer.correction = correction(&learned, &found);
             answer.error_with_remainder = answer.correction.as_ref().map(|c| {
                 let shrinks = |moves: &[Moves], rests: &[Vec<f64>]| {
