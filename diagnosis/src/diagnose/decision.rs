@@ -1,5 +1,5 @@
-//! The decision on a channel, made once: training data propose, held-out data confirm, and names that the motion cannot tell
-//! apart are given together. What follows it describes; no verdict and no name changes afterwards.
+//! The decision on a channel, made once: training data propose, held-out data confirm, names that the motion cannot tell apart are
+//! given together, and at its rail an output has no names but a limit. What follows describes; no verdict and no name changes.
 //!
 //! A record is decided on anew if mains hum or corners of the motion are what an answer leaves (`hum`, `corners`), each time
 //! from the search on.
