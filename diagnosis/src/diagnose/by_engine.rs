@@ -1,7 +1,7 @@
 //! Turns the engine's result for a channel into an answer.
 
 use super::channel::ChannelDiagnosis;
-use super::decision::{Borne, proposed};
+use super::decision::{Confirmed, proposed};
 use super::heard::Heard;
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, TRANSDUCER};
 use crate::engine::drivetrain::without_known as without_known_motion;
@@ -174,18 +174,18 @@ impl ChannelDiagnosis<'_> {
 
         let tried = proposed.and_then(|said| self.tried(channel, said, &before));
         let (kept, near) = match tried {
-            Some(tried) if tried.borne_out => (Some(tried), None),
+            Some(tried) if tried.confirmed => (Some(tried), None),
             near => (None, near),
         };
         let mut with = model.clone();
-        let borne = kept.as_ref().map(|kept| {
+        let confirmed = kept.as_ref().map(|kept| {
             answer.noise_floor_rms = answer.noise_floor_rms.min(kept.errors.test_rms);
             answer.refitted = advice::refitted(&self.base, &channel.data.declared(&kept.fit));
             answer.improvement_ci90 = kept.gain;
             answer.error_after = kept.errors;
             channel.data.save(&kept.fit, &mut with);
             let figures = channel.data.figures(&kept.fit).into_iter();
-            Borne {
+            Confirmed {
                 accounts: kept.accounts,
                 trust: kept.trust,
                 effects: figures
@@ -205,7 +205,7 @@ impl ChannelDiagnosis<'_> {
         }
         answer.traces = self.engine_traces(&before[1], &left[1]);
         answer.residuals = left;
-        let mut heard = self.heard(answer, proposed, borne, steps, [model, &with]);
+        let mut heard = self.heard(answer, proposed, confirmed, steps, [model, &with]);
         if let (Some(near), Verdict::Unknown) = (near, heard.found) {
             let name = found.said.likeliest().unwrap_or(Effect::Offset);
             heard.answer.nearest = Some(self.nearest(name, channel.data, &near, &before, model));

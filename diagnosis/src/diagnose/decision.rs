@@ -41,9 +41,9 @@ pub struct Forbids {
     pub noise_share: f64,
 }
 
-/// A model that the held-out data bear out.
+/// A model that held-out data confirm.
 #[derive(Debug)]
-pub struct Borne {
+pub struct Confirmed {
     /// It accounts for the training data: it leaves a small part of the residual, or noise.
     pub accounts: bool,
     /// The credible fraction of its names' probabilities.
@@ -73,8 +73,8 @@ pub fn proposed<F>(said: &Said<F>, ordinary: bool) -> Option<&Said<F>> {
     missing.then_some(said)
 }
 
-/// The decision on what is proposed, with its model if held-out data bear it out.
-pub fn decide<F>(proposed: Option<&Said<F>>, model: Option<Borne>, beside: Beside) -> Decision {
+/// The decision on what is proposed, with its model if held-out data confirm it.
+pub fn decide<F>(proposed: Option<&Said<F>>, model: Option<Confirmed>, beside: Beside) -> Decision {
     let laws = match (proposed, model) {
         (Some(Said::Names(named)), Some(model)) => names(named, model),
         (Some(Said::Set(_, set)), Some(model)) => one_of(set, model.effects),
@@ -174,7 +174,7 @@ fn nothing(steps: Option<FoundEffect>, forbids_none: Option<Forbids>) -> Decisio
 }
 
 /// Sure names. If one of further names is sure to be there, they are a set; if anything else is, they are a part.
-fn names<F>(named: &Named<F>, model: Borne) -> Decision {
+fn names<F>(named: &Named<F>, model: Confirmed) -> Decision {
     let open = named.more && !named.lead && !named.beside.is_empty();
     let mut effects = model.effects;
     for effect in &mut effects {
@@ -254,8 +254,8 @@ mod tests {
         }
     }
 
-    fn borne(accounts: bool, name: Effect) -> Option<Borne> {
-        Some(Borne {
+    fn confirmed(accounts: bool, name: Effect) -> Option<Confirmed> {
+        Some(Confirmed {
             accounts,
             trust: 0.96,
             effects: vec![effect(name)],
@@ -265,7 +265,7 @@ mod tests {
     fn one_of_two(beside: Beside) -> Decision {
         let set = vec![(ViscousDamping, 0.6), (Offset, 0.35)];
         let said = Said::Set(model(ViscousDamping), set);
-        decide(Some(&said), borne(true, ViscousDamping), beside)
+        decide(Some(&said), confirmed(true, ViscousDamping), beside)
     }
 
     #[test]
@@ -322,7 +322,7 @@ mod tests {
         };
         let of = |name| {
             let said = Said::Set(model(name), vec![(name, 0.6), (CoulombFriction, 0.35)]);
-            decide(Some(&said), borne(true, name), at_rail())
+            decide(Some(&said), confirmed(true, name), at_rail())
         };
         let clipped = of(Offset);
         assert_eq!(clipped.verdict, Verdict::NotAssessed);
@@ -363,7 +363,7 @@ mod tests {
         assert!(none.lacks.is_empty());
     }
 
-    /// A name that held-out data do not bear out is `unknown`, not another name.
+    /// A name that held-out data do not confirm is `unknown`, not another name.
     #[test]
     fn held_out_data_withdraw_a_name() {
         let said = Said::Names(Named {
@@ -375,9 +375,9 @@ mod tests {
             lead: false,
         });
         let of = |model| decide(Some(&said), model, alone());
-        assert_eq!(of(borne(true, Offset)).verdict, Verdict::Effect);
-        assert_eq!(of(borne(false, Offset)).verdict, Verdict::Partial);
-        let q = of(borne(true, Offset)).effects[0].q.unwrap();
+        assert_eq!(of(confirmed(true, Offset)).verdict, Verdict::Effect);
+        assert_eq!(of(confirmed(false, Offset)).verdict, Verdict::Partial);
+        let q = of(confirmed(true, Offset)).effects[0].q.unwrap();
         assert!((q - (1.0 - 0.96 * 0.99)).abs() < 1e-12, "{q}");
         let withdrawn = of(None);
         assert_eq!(withdrawn.verdict, Verdict::Unknown);

@@ -1,7 +1,7 @@
 //! A channel's answer with its decision.
 
 use super::channel::ChannelDiagnosis;
-use super::decision::{Beside, Borne, Forbids, decide};
+use super::decision::{Beside, Confirmed, Forbids, decide};
 use crate::engine::Said;
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, FoundEffect, Line, Verdict};
@@ -39,13 +39,13 @@ impl Heard {
 
 impl ChannelDiagnosis<'_> {
     /// Decides on what is proposed, and writes the decision beside the figures of an answer. `model`: what is proposed, if held-out
-    /// data bear it out; `steps`: the converter's, if the training data have nothing else; the models: as declared, and with
+    /// data confirm it; `steps`: the converter's, if the training data have nothing else; the models: as declared, and with
     /// what is proposed.
     pub(super) fn heard<F>(
         &self,
         mut answer: ChannelAnswer,
         proposed: Option<&Said<F>>,
-        model: Option<Borne>,
+        model: Option<Confirmed>,
         steps: Option<FoundEffect>,
         [declared, with]: [&Model; 2],
     ) -> Heard {

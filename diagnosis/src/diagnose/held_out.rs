@@ -27,8 +27,8 @@ pub struct Tried<F> {
     pub errors: Errors,
     /// 90 % interval of the decrease of the held-out rms.
     pub gain: [f64; 2],
-    /// The held-out data bear it out.
-    pub borne_out: bool,
+    /// The held-out data confirm it.
+    pub confirmed: bool,
     /// It accounts for the training data.
     pub accounts: bool,
     /// The credible fraction of its names' probabilities.
@@ -62,10 +62,10 @@ impl ChannelDiagnosis<'_> {
         let has = beyond(errors.test_rms);
         // Held-out data that have died down to the noise are evidence neither way.
         let better = has <= most * had && (gain[0] > 0.0 || matches!(proposed, Said::Set(..)));
-        let borne_out = had.max(has) == 0.0 || better;
+        let confirmed = had.max(has) == 0.0 || better;
         let floor = channel.noise.rms.min(refitted).min(errors.test_rms);
         Some(Tried {
-            borne_out: borne_out && !matches!(proposed, Said::Unknown(_)),
+            confirmed: confirmed && !matches!(proposed, Said::Unknown(_)),
             accounts: self.accounts(before, &left, floor, channel.told),
             trust: engine::trust(&candidate.evidence),
             fit,
