@@ -5,7 +5,9 @@
 #[allow(dead_code, reason = "each file of tests uses a part of it")]
 mod rig;
 
-use diagnosis::{Declared, Model, Recording, Verdict, diagnose, next, why_no_test};
+use diagnosis::{
+    ChannelAnswer, Declared, Model, Recording, Verdict, diagnose, next, why_no_test,
+};
 use plant::{Effect, EffectSpec};
 use rig::{RATE_HZ, model, record};
 use std::f64::consts::TAU;
@@ -166,16 +168,21 @@ fn the_mains_in_an_actuators_reading_are_named() {
     declared.specimen = None;
     // Beside it something that no effect of the library explains alone.
     let overlap = EffectSpec::new(Effect::DeadBand, &[("width_mm", 0.15)]);
-    let [train, test] = [41, 42].map(|seed| {
+    let read = |seed, hum_mm| {
         let mut r = record(std::slice::from_ref(&overlap), TRUTH, seed);
-        hums(&mut r.displacement_mm, 49.98, 0.2);
+        hums(&mut r.displacement_mm, 49.98, hum_mm);
         r.force_n = None;
         [r]
-    });
+    };
+    let (train, test) = (read(41, 0.2), read(42, 0.2));
     let d = diagnose(&declared, &train, &test, &[]).unwrap();
     let a = &d.channels[0];
     let hum = a.effects.iter().find(|e| e.name == Effect::MainsHum);
     let hum = hum.unwrap_or_else(|| panic!("{:?} {:?}", a.verdict, a.notes));
     assert!((hum.parameters[0].value - 0.2).abs() < 0.02, "{hum:?}");
     assert!(a.error_after.test_rms < 0.5 * a.error_before.test_rms);
+    // Held-out data choose no name: these have no hum.
+    let quiet = diagnose(&declared, &train, &read(42, 0.0), &[]).unwrap();
+    let names = |a: &ChannelAnswer| a.effects.iter().map(|e| e.name).collect::<Vec<_>>();
+    assert_eq!(names(&quiet.channels[0]), names(a));
 }
