@@ -28,7 +28,7 @@ struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Survey {
     /// Compare the verdicts with what the tests then do: exit status 1 if a test was called stable and ran away, or, but for
-    /// --as-declared, if more than 5 % of the sound tests were not called stable
+    /// --as-declared, if more than 5 % of the sound tests, and more than chance allows, were not called stable
     Verdicts {
         /// How many rigs
         #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

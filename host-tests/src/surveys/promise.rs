@@ -7,6 +7,8 @@ use serde::Serialize;
 
 /// Largest fraction of sound tests that may be called doubtful or unstable.
 const MOST_DOUBTFUL: f64 = 0.05;
+/// Standard deviations above it that only one night in twenty reaches by chance.
+const BY_CHANCE: f64 = 1.64;
 
 /// Required of the verdicts: no test that runs away is called stable, and few sound ones are called anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -46,11 +48,13 @@ impl SurveyPromise {
         }
     }
 
-    /// Whether no test that ran away was called stable, and few enough sound ones anything else. With `Known::AsDeclared` only
+    /// Whether no test that ran away was called stable, and few enough sound ones anything else, but for chance. With `Known::AsDeclared` only
     /// the first is required: which actuators within their spread make a test go wrong cannot be known beforehand.
     pub fn is_kept(&self, known: Known) -> bool {
         let not_stable = (self.sound_called_doubtful + self.sound_called_unstable) as f64;
-        let few = not_stable <= MOST_DOUBTFUL * self.sound as f64;
+        let sound = self.sound as f64;
+        let by_chance = BY_CHANCE * (MOST_DOUBTFUL * (1.0 - MOST_DOUBTFUL) * sound).sqrt();
+        let few = not_stable <= MOST_DOUBTFUL * sound + by_chance;
         self.ran_away_called_stable == 0 && (few || matches!(known, Known::AsDeclared))
     }
 
@@ -166,10 +170,11 @@ mod tests {
             kept.contains("0 of 10") && kept.ends_with("reached."),
             "{kept}"
         );
-        let [kept, missed] = [4, 6].map(|doubtful| SurveyPromise::of(&rows(doubtful)));
-        assert!(kept.is_kept(Known::Rig) && !missed.is_kept(Known::Rig));
-        assert!(missed.is_kept(Known::AsDeclared));
-        let missed = missed.sentence();
+        // Of 100 tests 8 by chance.
+        let of = |doubtful| SurveyPromise::of(&rows(doubtful));
+        assert!(of(7).is_kept(Known::Rig) && !of(8).is_kept(Known::Rig));
+        assert!(of(8).is_kept(Known::AsDeclared));
+        let missed = of(6).sentence();
         assert!(
             missed.contains("6 of 100, 6.0 %, with 1 called unstable 7.0 %"),
             "{missed}"
