@@ -5,9 +5,7 @@
 #[allow(dead_code, reason = "each file of tests uses a part of it")]
 mod rig;
 
-use diagnosis::{
-    ChannelAnswer, Declared, Model, Recording, Verdict, diagnose, next, why_no_test,
-};
+use diagnosis::{ChannelAnswer, Declared, Model, Recording, Verdict, diagnose, next, why_no_test};
 use plant::{Effect, EffectSpec};
 use rig::{RATE_HZ, model, record};
 use std::f64::consts::TAU;
