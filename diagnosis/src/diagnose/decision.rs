@@ -358,6 +358,10 @@ mod tests {
         assert_eq!(other.alternatives, [Offset, CoulombFriction]);
         assert_eq!(probability(&other, ViscousDamping), Some(0.6));
         assert_eq!(other.lacks, ["one frequency"]);
+        // A delay is five sevenths as common as a wrong zero; the damper beside them says nothing of it.
+        let rarer = of(&lacks(Offset, ChannelSkew));
+        let [zero, delay] = [Offset, ChannelSkew].map(|name| probability(&rarer, name).unwrap());
+        assert!((delay / zero - 5.0 / 7.0).abs() < 1e-12, "{delay} {zero}");
         let none = of(&lacks(BilinearHysteresis, CoulombFriction));
         assert_eq!(none.alternatives, [Offset]);
         assert!(none.lacks.is_empty());

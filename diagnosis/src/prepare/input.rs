@@ -313,7 +313,8 @@ pub fn share(all: &mut Vec<Member>, group: &[Effect], named: &[Effect]) {
     };
     let before = of_group(all);
     let most = before.iter().copied().fold(0.0, f64::max);
-    let usual = named.iter().map(|n| commonness(*n)).fold(0.0, f64::max);
+    let named = named.iter().filter(|n| group.contains(n));
+    let usual = named.map(|n| commonness(*n)).fold(0.0, f64::max);
     for &name in group {
         // At one speed, friction that falls with speed is friction.
         let friction = |n: Effect| n.entry().family == Family::Friction;

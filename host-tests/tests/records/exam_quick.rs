@@ -235,6 +235,9 @@ fn two_effects_are_named_where_least_squares_leads_and_one_cause_has_one_name() 
         "two-9100046",
         "two-9700012",
         "two-9700037",
+        // Limits with a corner.
+        "two-9900021",
+        "two-9900084",
     ];
     let items = ids.map(|id| Item::from_id(id).unwrap());
     let all = run_exam(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
