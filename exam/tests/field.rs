@@ -67,6 +67,22 @@ fn each_device_of_earthquake_laboratories_once_gets_no_wrong_name() {
     assert!(all.iter().all(|s| devices().any(|d| d == s.cause)));
 }
 
+/// Braces whose flat loop was once diagnosed as the end of the force reading's range.
+const BRACES: [u64; 3] = [660_041, 660_054, 660_067];
+
+#[test]
+fn a_brace_that_buckles_is_no_reading_at_the_end_of_its_range() {
+    let seeds = BRACES.into_par_iter();
+    for s in seeds
+        .map(|seed| answer(set_device(seed)))
+        .collect::<Vec<GradedField>>()
+    {
+        let right = matches!(s.mark, Mark::Right | Mark::Set);
+        assert!(right, "{}: {:?} {:?}", s.id, s.mark, s.said.names);
+        assert_eq!(s.cause, "brace that buckles");
+    }
+}
+
 /// Cycles at one speed that were once diagnosed as hysteresis beside a dashpot smaller than declared.
 const DAMPERS_AT_ONE_SPEED: [u64; 4] = [71_009, 71_048, 71_061, 71_100];
 

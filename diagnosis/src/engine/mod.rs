@@ -107,6 +107,7 @@ pub fn specimen(
     fits.push(data.polished(&[])?);
     data.weigh_samples(&mut fits);
     let declared = fits.last()?.clone();
+    fits.retain(|fit| !data.moves_at_a_limit(fit));
     let mut all = nameless(data, &fits[..fits.len() - 1], &declared, noise.told);
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
     Some(Found::of(all, declared, noise.told))

@@ -8,6 +8,7 @@ use super::row::{Form, PointOfAction, Row, Sizes};
 use super::score::{Evidence, Score, edges};
 use super::search::{Atom, DECLARED, Search};
 use crate::criteria::CUTOFF_ROOM;
+use crate::laws::library::candidate::NamedValue;
 use crate::laws::specimen::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::model::base::Base;
 use crate::numbers::bounded::Equations;
@@ -26,6 +27,10 @@ const ROOT_3: f64 = 1.732;
 const REACHED: f64 = 0.985;
 /// Sharpness of a limit above which it ends in a corner; of a spring that softens as `tanh` it would be 2.5.
 const A_CORNER: f64 = 10.0;
+
+/// A reading within this fraction of the largest of a limit sits at it, and there it does not move by more than the second.
+const AT_A_LIMIT: f64 = 0.003;
+const STANDS: f64 = 0.02;
 
 /// Step for the slope of what a range lets pass, as a fraction of the largest force.
 const PASSES_STEP: f64 = 1e-6;
@@ -408,14 +413,48 @@ impl<'a> SpecimenData<'a> {
         pairs.map(of).collect()
     }
 
-    /// True if a range ends in a corner that no spring has.
-    pub fn has_a_corner(&self, range: Term) -> bool {
-        let Form::Effect(candidate) = self.rows[range.row].form else {
-            return false;
+    /// Values of a term that is the end of the reading's range; `None` for another.
+    fn range_of(&self, term: Term) -> Option<Vec<NamedValue>> {
+        let row = &self.rows[term.row];
+        match row.form {
+            Form::Effect(candidate) if row.point_of_action() == PointOfAction::Range => Some(
+                (candidate.parameters)(&[1.0], &term.shape, &self.sizes.scales),
+            ),
+            _ => None,
+        }
+    }
+
+    /// True if a term is a range that ends in a corner, which no spring has.
+    pub fn has_a_corner(&self, term: Term) -> bool {
+        self.range_of(term).is_some_and(|own| {
+            let sharpness = own.iter().find(|p| p.0 == "sharpness");
+            sharpness.is_none_or(|p| p.2 > A_CORNER)
+        })
+    }
+
+    /// True if a fit has a limit at which the reading still moves: what sits at the end of its range stands still.
+    pub fn moves_at_a_limit(&self, fit: &SpecimenModelFit) -> bool {
+        let sharp = fit.terms.iter().filter(|t| self.has_a_corner(**t));
+        let ends = |t: &Term| {
+            let own = self.range_of(*t).into_iter().flatten();
+            let end = |p: NamedValue| match p.0 {
+                "limit_n" => vec![-p.2, p.2],
+                "lower_n" | "upper_n" => vec![p.2],
+                _ => Vec::new(),
+            };
+            own.flat_map(end).collect::<Vec<f64>>()
         };
-        let own = (candidate.parameters)(&[1.0], &range.shape, &self.sizes.scales);
-        let sharpness = own.iter().find(|p| p.0 == "sharpness");
-        sharpness.is_none_or(|p| p.2 > A_CORNER)
+        let limits: Vec<f64> = sharp.flat_map(ends).collect();
+        if limits.is_empty() {
+            return false;
+        }
+        let whole = peak(&self.target);
+        let near = |y: f64| limits.iter().any(|l| (y - l).abs() < AT_A_LIMIT * whole);
+        let answered = self.answered(fit);
+        let at_one = answered.iter().zip(&self.target).filter(|p| near(*p.0));
+        let left: Vec<f64> = at_one.map(|(y, f)| f - y).collect();
+        let still = (STANDS * whole).powi(2) + self.score.noise;
+        dot(&left, &left) > still * left.len() as f64
     }
 
     /// True if the force of all terms before one of a fit's is within the noise.
