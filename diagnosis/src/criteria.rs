@@ -53,6 +53,8 @@ pub const CERTAIN: f64 = 2.0;
 pub const LEAST_SURE: f64 = 0.4;
 /// Expected fraction of false names for a line that is present at rest.
 pub const FALSE_LINES: f64 = 0.04;
+/// Expected fraction of false names for a loop that swings by itself: a valve that became slow makes it swing, too.
+pub const FALSE_SWINGS: f64 = 0.1;
 /// A set with more names says nothing.
 pub const LARGEST_SET: usize = 5;
 /// Two causes cannot be told apart if their forces differ by less than this many variances of the noise, over all

@@ -108,6 +108,18 @@ fn a_damper_behind_a_brace_is_no_late_reading() {
     }
 }
 
+/// Once they move, the first swings at 25 Hz by a quarter of the motion, and the second by a fraction of a per cent, beside a lag that
+/// has doubled.
+const RAMS_THAT_SWING: [u64; 2] = [662_057, 662_201];
+
+#[test]
+fn a_ram_that_swings_by_itself_has_a_soft_oil_column() {
+    for s in RAMS_THAT_SWING.map(|seed| answer(set_ram(seed))) {
+        assert_eq!(s.mark, Mark::Right, "{}: {:?}", s.id, s.said);
+        assert_eq!(s.said.verdict, "partial", "{}", s.id);
+    }
+}
+
 #[test]
 fn sound_rams_are_sound_and_most_of_what_is_wrong_with_others_is_told() {
     let all = all(set_ram, 100..124);

@@ -42,7 +42,13 @@ impl Experiment {
     pub fn under(&self, compensation: Compensation) -> Result<Self, Failure> {
         let mut own = self.clone();
         match (compensation, &mut own.test.coupled) {
-            (Compensation::Method(method), None) => own.test.config.compensation.kind = method,
+            (Compensation::Method(method), None) => {
+                // Another method that learns has nothing left for the watch to correct; the test's own is refused with it.
+                if method != own.test.config.compensation.kind && method.predictor.learns() {
+                    own.test.watch.correct.retain(|one| one == "late_sensor");
+                }
+                own.test.config.compensation.kind = method;
+            }
             (Compensation::Coupled(kind), Some(part)) => part.declared.compensation = kind,
             (Compensation::Method(_), Some(_)) | (Compensation::Coupled(_), None) => {
                 // By its name it would have been found among those of this test, or refused.

@@ -295,8 +295,7 @@ fn loops(d: &mut Document, a: &ChannelAnswer) {
     let [from, to] = [window.start, window.end - 1].map(|i| digits(t.time_s[i]));
     d.subheading(what);
     d.pair(|d| {
-        let caption =
-            format!("The declared model, within three tolerances. From {from} to {to} s.");
+        let caption = format!("The declared model, refitted. From {from} to {to} s.");
         d.figure(caption, || picture(before));
         if !a.effects.is_empty() {
             let caption = format!("With what was found. From {from} to {to} s.");

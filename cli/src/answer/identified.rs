@@ -14,6 +14,36 @@ const LEAST_SHARE: f64 = 1e-6;
 /// Multiple of the noise above which a distortion is reported as one.
 const ABOVE_NOISE: f64 = 2.0;
 
+/// A sound actuator leaves less than this of its displacement beyond delay and lag.
+const SOUND_NRMSE: f64 = 0.02;
+
+/// What the four numbers do not say although they fit.
+fn remarks(found: &Identified) -> Vec<String> {
+    let mut all = Vec::new();
+    if found.nrmse > SOUND_NRMSE {
+        all.push(
+            "That is more than a sound actuator leaves. Unless it is the transducer's noise, it does something else as well, and \
+             these numbers have a part of it: `outerloop diagnose` looks for what."
+                .to_owned(),
+        );
+    }
+    for (name, value, [low, high]) in [
+        ("delay", found.delay_ms, found.delay_ms_ci90),
+        ("lag", found.lag_ms, found.lag_ms_ci90),
+    ] {
+        let (sum, uncertain) = (found.delay_ms + found.lag_ms, high - low);
+        if uncertain > value.abs() && uncertain > UNCERTAIN * sum {
+            all.push(format!(
+                "The {name} is uncertain by more than itself: a record with more motion at high frequencies tells delay from lag."
+            ));
+        }
+    }
+    all
+}
+
+/// Width of an interval, as a share of delay and lag together, that matters.
+const UNCERTAIN: f64 = 0.5;
+
 /// What was identified from the record `name`; `doubt` is an objection to it, `response` is for a page.
 pub fn of_identify(
     name: &str,
@@ -71,6 +101,9 @@ pub fn of_identify(
         "The model leaves {:.2} % of the displacement's standard deviation.",
         found.nrmse * 100.0
     ));
+    for remark in remarks(found) {
+        d.tell(remark);
+    }
     d.tiles(tiles);
     if let Some(response) = response {
         linear(&mut d, found, response);

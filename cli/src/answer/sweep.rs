@@ -68,7 +68,9 @@ pub fn of_values(
     }
     d.table(t);
     d.items(vec![
-        "eps_rms (Eq 18) of each compensation, and the largest ideal peak; of several ground motions the worst.".into(),
+        "eps_rms (Eq 18) of each compensation, and the largest ideal peak; of several ground motions the worst. `lost`: the test \
+         tripped or ran away."
+            .into(),
     ]);
     d.heading("Every test");
     d.on_page(|d| {

@@ -27,8 +27,11 @@ fn defaults() -> Value {
     defaults["watch"] = serde_json::to_value(WatchSettings::default()).unwrap_or(Value::Null);
     defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
     defaults["coupled"] = coupled_defaults();
-    // What a test file must state has no default.
+    // What a test file must state has no default, and its delay is filled in from the actuator.
     defaults["structure"] = json!({});
+    if let Some(compensation) = defaults["compensation"].as_object_mut() {
+        compensation.remove("delay_ms");
+    }
     defaults
 }
 

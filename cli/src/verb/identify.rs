@@ -11,13 +11,13 @@ use experiment::failure::Failure;
 use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles};
 use experiment::files::test::TestFile;
-use experiment::files::{decode, look_ahead, output};
+use experiment::files::{decode, look_ahead, output, units};
 use experiment::frequency_response::{FrequencyResponse, frequency_response};
 use experiment::rig::Quantity;
 use experiment::rig::declared::configured_times;
 use schemars::JsonSchema;
 use std::path::{Path, PathBuf};
-use toml_edit::{DocumentMut, Item, Table, value};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, Value, value};
 
 /// Fit the actuator's gain, delay, lag and offset
 #[derive(clap::Args, Debug)]
@@ -25,7 +25,8 @@ pub struct Identify {
     /// The record, e.g. of `outerloop board commission`
     #[arg(value_name = "FILE[@T0..T1]")]
     record: FilePart,
-    /// Write the result into this test file: plant.actuator, compensation.delay_ms, estimation.delay_ms and lag_ms
+    /// Write the result into this test file: plant.actuator, compensation.delay_ms, estimation.delay_ms and lag_ms, and
+    /// declared.actuator where it has one
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
     /// Write report.html, response.json (gain, phase, coherence, distortion and noise over frequency) and answer.json there
@@ -148,10 +149,42 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
             ms(expected_ms),
         );
     }
+    if let Some(declared) = text.get_mut("declared").and_then(|d| d.get_mut("actuator")) {
+        declare(declared, found);
+    }
     let text = text.to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
     TestFile::parse(&text, &file.to_string(), folder, &[])?;
     output::write_back(path, &text)
+}
+
+/// Sets what is declared of the actuator, so that the watch does not take what was identified for an error. A tolerance stays,
+/// unless what was identified is less certain.
+fn declare(declared: &mut Item, found: &Identified) {
+    let all = [
+        ("gain", "1", found.gain, found.gain_ci90),
+        ("delay_ms", "ms", found.delay_ms, found.delay_ms_ci90),
+        ("lag_ms", "ms", found.lag_ms, found.lag_ms_ci90),
+    ];
+    for (key, unit, own, [low, high]) in all {
+        let old = declared.get(key).and_then(|d| d.get("tolerance"));
+        let old = old.and_then(Item::as_value).and_then(|t| match t {
+            Value::String(text) => units::converted(text.value(), unit).ok().flatten(),
+            t => t.as_float().or_else(|| t.as_integer().map(|i| i as f64)),
+        });
+        let tolerance = old.unwrap_or(0.0).max((high - low) / 2.0);
+        let [own, tolerance] = [own, tolerance].map(|x| (x * 1e6).round() / 1e6);
+        let mut both = InlineTable::new();
+        both.insert("value", own.into());
+        both.insert("tolerance", tolerance.into());
+        let mut new = Value::InlineTable(both);
+        if let Some(old) = declared.get(key).and_then(Item::as_value) {
+            *new.decor_mut() = old.decor().clone();
+        }
+        if let Some(table) = declared.as_table_like_mut() {
+            table.insert(key, value(new));
+        }
+    }
 }
 
 /// A table within a table, created if missing.

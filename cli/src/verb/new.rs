@@ -252,6 +252,13 @@ fn answered(
             return Ok(usual);
         }
         let why = match units::converted(&answer.replace(',', "."), unit) {
+            // 0.02 would be 2 % to one engineer and 0.02 % to another.
+            Ok(Some(x)) if unit == "%" && x > 0.0 && x < 0.2 && !answer.ends_with('%') => {
+                format!(
+                    "is that {x} % or {} %? Say it with its unit",
+                    three(100.0 * x)
+                )
+            }
             Ok(Some(x)) if (low..=high).contains(&x) => return Ok(x),
             Ok(_) => format!("accepted are numbers from {low} to {high}{unit_said}"),
             Err(why) => why,
@@ -346,10 +353,12 @@ mod tests {
     #[test]
     fn a_wrong_answer_is_asked_again_and_a_value_may_say_its_unit() {
         let text =
-            written("1.5\n1\nheavy\n5 kN\n2 t\n1e99\n316 N/mm\n\n0.008 s\n\n\n\n\n").unwrap();
+            written("1.5\n1\nheavy\n5 kN\n2 t\n1e99\n316 N/mm\n0.03\n3 %\n0.008 s\n\n\n\n\n")
+                .unwrap();
         for said in [
             "mass_kg = 2000\n",
             "stiffness_n_per_m = 316000\n",
+            "damping_ratio = 0.03\n",
             "delay_ms = 8 ",
         ] {
             assert!(text.contains(said), "{said} is missing:\n{text}");

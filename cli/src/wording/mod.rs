@@ -21,10 +21,20 @@ pub fn headline(a: &ChannelAnswer) -> String {
         }
         Verdict::Effect => format!("The {channel} model lacks {found}. {}", change(a)),
         Verdict::Ambiguous => {
-            let others: Vec<&str> = a.alternatives.iter().map(|e| e.name()).collect();
+            let is_open = |e: &&FoundEffect| a.members.iter().any(|m| m.name == e.name);
+            let sure: Vec<&str> = (a.effects.iter().filter(|e| !is_open(e)))
+                .map(|e| e.name.name())
+                .collect();
+            let open: Vec<&str> = a.members.iter().map(|m| m.name.name()).collect();
+            let lacks = match (&sure[..], &open[..]) {
+                ([], _) | (_, []) => {
+                    let others = a.alternatives.iter().map(|e| e.name());
+                    format!("{found}, or {}", others.collect::<Vec<_>>().join(" or "))
+                }
+                (sure, open) => format!("{}, and {}", sure.join(" and "), open.join(" or ")),
+            };
             format!(
-                "The {channel} model lacks {found}, or {}: this data cannot tell which. {}",
-                others.join(" or "),
+                "The {channel} model lacks {lacks}: this data cannot tell which. {}",
                 change(a)
             )
         }
@@ -208,10 +218,10 @@ pub fn refitted(a: &ChannelAnswer) -> Option<String> {
                 off.abs(),
                 if off > 0.0 { "above" } else { "below" },
                 digits(r.declared),
-                if off.abs() > AT_THE_END {
-                    ", the end of what was declared"
-                } else {
-                    ""
+                match off.abs() {
+                    off if off > BEYOND_THE_END => ", outside what was declared",
+                    off if off > AT_THE_END => ", the end of what was declared",
+                    _ => "",
                 }
             )
         })
@@ -225,8 +235,9 @@ pub fn refitted(a: &ChannelAnswer) -> Option<String> {
     (!said.is_empty()).then(|| said.join(" "))
 }
 
-/// Tolerances from which on a parameter is at the limit that the declaration allows.
+/// Tolerances from which on a parameter is at the limit that the declaration allows, or, free as a cause, outside it.
 const AT_THE_END: f64 = 2.95;
+const BEYOND_THE_END: f64 = 3.05;
 
 /// The change of the error on held-out data.
 fn change(a: &ChannelAnswer) -> String {

@@ -63,7 +63,9 @@ fn a_rig_is_found_again_and_written_into_its_test_file() {
     std::fs::write(
         &test,
         text.replace("lag_delay", "servo_hydraulic")
-            .replace("lag_ms = 5\n", ""),
+            .replace("lag_ms = 5\n", "")
+            + "[declared.actuator]\ndelay_ms = { value = 4.0, tolerance = \"0.6 ms\" } # believed\n\
+               lag_ms = { value = 0.0, tolerance = 0.0 }\n",
     )
     .unwrap();
     let out = outerloop(&["identify", &path("out/record.csv"), "--write", &test]);
@@ -75,6 +77,7 @@ fn a_rig_is_found_again_and_written_into_its_test_file() {
     let written = std::fs::read_to_string(&test).unwrap();
     assert!(written.starts_with("# what is tested\n"), "{written}");
     assert!(written.contains("# late"), "{written}");
+    assert!(written.contains("# believed"), "{written}");
     let table: toml::Table = written.parse().unwrap();
     let number = |path: [&str; 3]| table[path[0]][path[1]][path[2]].as_float().unwrap();
     assert_eq!(
@@ -92,6 +95,12 @@ fn a_rig_is_found_again_and_written_into_its_test_file() {
         (number(["plant", "actuator", "gain"]) - 0.98).abs() < 0.002,
         "{written}"
     );
+    let declared =
+        |key: &str, part: &str| table["declared"]["actuator"][key][part].as_float().unwrap();
+    assert_eq!(declared("delay_ms", "value"), delay, "{written}");
+    assert_eq!(declared("delay_ms", "tolerance"), 0.6, "{written}");
+    assert_eq!(declared("lag_ms", "value"), lag, "{written}");
+    assert!(declared("lag_ms", "tolerance") < 0.3, "{written}");
     let both = table["compensation"]["delay_ms"].as_float().unwrap();
     assert!((both - delay - lag).abs() < 2e-3, "{written}");
     assert!(outerloop(&["check", &test]).status.code() != Some(2));

@@ -36,7 +36,8 @@ pub struct Compensation {
     pub window_steps: u16,
     /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list. Methods that add
     /// damping measure the energy error and use the delay for their clamp only: half of the true delay or more will
-    /// do. Predictors start from it.
+    /// do. Predictors start from it. Left out of a test file: what is declared of the actuator, else the simulated one's delay
+    /// and lag, else 4.
     pub delay_ms: ActuatorTimes,
     /// C_cor is kept below this many times K tau.
     pub clamp: f64,

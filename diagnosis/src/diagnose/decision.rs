@@ -60,8 +60,8 @@ pub struct Beside<'a> {
     pub forbids_none: Option<Forbids>,
     /// Why there is no verdict if the names are not those of a limit: the output sits at its rail.
     pub rail: &'a dyn Fn() -> Option<String>,
-    /// Hum in the reading, which was taken off.
-    pub hum: Option<FoundEffect>,
+    /// Hum in the reading, which was taken off, or what an actuator's loop swings by itself.
+    pub swing: Option<FoundEffect>,
     /// What a motion lacks to tell names from others.
     pub lacks: &'a dyn Fn(&[FoundEffect]) -> Vec<Deficiency>,
 }
@@ -81,7 +81,7 @@ pub fn decide<F>(proposed: Option<&Said<F>>, model: Option<Confirmed>, beside: B
         (Some(_), _) => Decision::of(Verdict::Unknown, Vec::new()),
         (None, _) => nothing(beside.steps, beside.forbids_none),
     };
-    let mut decision = laws.with_hum(beside.hum).unless(beside.rail);
+    let mut decision = laws.with_swing(beside.swing).unless(beside.rail);
     for lack in (beside.lacks)(&decision.effects) {
         decision.widen(lack);
     }
@@ -106,12 +106,12 @@ impl Decision {
         }
     }
 
-    /// With hum beside the laws: there is something to name, and of what has no name a part.
-    fn with_hum(mut self, hum: Option<FoundEffect>) -> Self {
-        let Some(hum) = hum else {
+    /// With what swings beside the laws: there is something to name, and of what has no name a part.
+    fn with_swing(mut self, swing: Option<FoundEffect>) -> Self {
+        let Some(swing) = swing else {
             return self;
         };
-        self.effects.insert(0, hum);
+        self.effects.insert(0, swing);
         self.found = match self.found {
             Verdict::None => Verdict::Effect,
             Verdict::Unknown => Verdict::Partial,
@@ -239,7 +239,7 @@ mod tests {
             steps: None,
             forbids_none: None,
             rail: &|| None,
-            hum: None,
+            swing: None,
             lacks: &|_| Vec::new(),
         }
     }
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn hum_is_a_name_and_of_what_has_none_a_part() {
         let hum = || Beside {
-            hum: Some(effect(MainsHum)),
+            swing: Some(effect(MainsHum)),
             ..alone()
         };
         let unknown: Said<()> = Said::Unknown(None);

@@ -2,13 +2,42 @@
 
 use super::channel::ChannelDiagnosis;
 use super::decision::{Beside, Confirmed, Forbids, decide};
+use crate::criteria::FALSE_SWINGS;
 use crate::engine::Said;
 use crate::model::Model;
 use crate::model::answer::{ChannelAnswer, FoundEffect, Line, Verdict};
 use crate::model::interval;
+use crate::prepare::advice::four;
+use crate::prepare::hunting::{OwnSwing, own_swing};
 use crate::prepare::input::{self, Deficiency};
 use crate::prepare::{advice, wear};
 use crate::record::recording::Recording;
+use plant::{Channel, Effect};
+
+/// Share of a residual's squares from which on a swing is nearly all of it.
+const MOST_OF_IT: f64 = 0.9;
+/// Names of a loop that is slower than declared.
+const SLOWER: [Effect; 3] = [Effect::LagError, Effect::DelayError, Effect::SecondLag];
+
+/// What a loop that swings lacks.
+fn oil_column(own: OwnSwing) -> FoundEffect {
+    let about = [own.hz - own.bin_hz, own.hz + own.bin_hz];
+    let frequency = ("frequency_hz", "Hz", own.hz, about);
+    FoundEffect {
+        q: Some(FALSE_SWINGS),
+        ..FoundEffect::new(Effect::OilColumn, [frequency])
+    }
+}
+
+fn hunts(own: OwnSwing) -> String {
+    format!(
+        "Once it moves, the ram swings by itself at {} Hz, {} mm rms; neither the command nor the rig at rest does. A position loop hunts \
+         so if its oil is soft for its gain: air, long hoses, a gain that is too high. It is not in the improved model, and what else is \
+         missing can be told once it is mended.",
+        four(own.hz),
+        four(own.rms_mm)
+    )
+}
 
 /// An answer that is decided, and what describing it takes.
 pub struct Heard {
@@ -50,6 +79,9 @@ impl ChannelDiagnosis<'_> {
         [declared, with]: [&Model; 2],
     ) -> Heard {
         let nothing = proposed.is_none() && steps.is_none() && self.hum.is_none();
+        let own = proposed.and_then(|said| self.own_swing(&answer.residuals[0], said));
+        let hum = self.hum.as_ref().map(|h| h.effect.clone());
+        let swing = hum.or_else(|| own.map(oil_column));
         let beside = Beside {
             steps,
             forbids_none: if nothing {
@@ -58,7 +90,7 @@ impl ChannelDiagnosis<'_> {
                 None
             },
             rail: &|| self.rail(&answer.unit),
-            hum: self.hum.as_ref().map(|h| h.effect.clone()),
+            swing: swing.clone(),
             lacks: &|effects| self.lacks(effects),
         };
         let decision = decide(proposed, model, beside);
@@ -93,11 +125,33 @@ impl ChannelDiagnosis<'_> {
             None => advice::engine(&answer, decision.found),
         };
         answer.notes.extend(decision.lacks);
+        answer.notes.extend(own.map(hunts));
         Heard {
             found: decision.found,
             lines,
             ..Heard::unchanged(answer, with.clone())
         }
+    }
+
+    /// What the loop of an actuator swings by itself beside what is proposed: if that is all that is left, or beside a loop that is
+    /// slower than declared, as one is that swings.
+    fn own_swing<F>(&self, left: &[Vec<f64>], said: &Said<F>) -> Option<OwnSwing> {
+        if self.base.channel != Channel::Actuator || self.hum.is_some() {
+            return None;
+        }
+        let both = self.train.iter().zip(left);
+        let (longest, left) = both.max_by_key(|(r, _)| r.time_s.len())?;
+        let own = own_swing(longest, left)?;
+        let slower = |names: &[Effect]| {
+            let of_time = |n: &Effect| SLOWER.contains(n);
+            names.iter().any(of_time) && !names.contains(&Effect::OilColumn)
+        };
+        match said {
+            Said::Unknown(_) => own.share > MOST_OF_IT,
+            Said::Names(named) => slower(&named.model.names),
+            Said::Set(..) | Said::Nothing => false,
+        }
+        .then_some(own)
     }
 
     /// What the training motion lacks to tell these effects from others.

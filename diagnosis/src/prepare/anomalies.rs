@@ -6,12 +6,21 @@ use crate::numbers::signals::{deviation, mean};
 use crate::record::recording::{Recording, correlation, range};
 
 /// Factors between units that are easily confused, with their names.
-const UNITS: [(f64, &str); 4] = [
+const LENGTHS: &[(f64, &str)] = &[
     (25.4, "an inch has 25.4 mm"),
+    (10.0, "a centimetre has 10 mm"),
+    (1000.0, "a metre has 1000 mm"),
+];
+const FORCES_AND_LENGTHS: &[(f64, &str)] = &[
+    (25.4, "an inch has 25.4 mm"),
+    (10.0, "a centimetre has 10 mm"),
     (9.80665, "a kilogram-force has 9.807 N"),
     (4.44822, "a pound-force has 4.448 N"),
     (1000.0, "a kN has 1000 N, a metre 1000 mm"),
 ];
+
+/// Displacement per command that an actuator has, times the declared.
+const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Questions about the records, one sentence each.
 pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
@@ -34,12 +43,13 @@ fn of(model: &Model, r: &Recording) -> Vec<String> {
             ));
         }
         let gain = a.gain.map_or(1.0, |g| g.value);
-        all.extend(unit(r, "displacement per command", (u, x), gain));
+        all.extend(unit(r, "displacement per command", (u, x), (gain, LENGTHS)));
         all.extend(dead(r, "displacement", u, x));
     }
     if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) {
         let stiffness = s.stiffness_n_per_mm.map_or(0.0, |k| k.value);
-        all.extend(unit(r, "force per displacement", (x, f), stiffness));
+        let declared = (stiffness, FORCES_AND_LENGTHS);
+        all.extend(unit(r, "force per displacement", (x, f), declared));
         all.extend(dead(r, "force", x, f));
     }
     all
@@ -50,7 +60,7 @@ fn unit(
     r: &Recording,
     what: &str,
     (input, output): (&[f64], &[f64]),
-    declared: f64,
+    (declared, units): (f64, &[(f64, &str)]),
 ) -> Option<String> {
     let ratio = range(output) / (range(input) * declared.abs());
     if !ratio.is_finite() || correlation(input, output).abs() < FOLLOWS {
@@ -60,7 +70,14 @@ fn unit(
     let early = early_slope(input, output) / declared.abs();
     let near =
         |factor: f64| (ratio / factor - 1.0).abs() < NEAR && (early / factor - 1.0).abs() < EARLY;
-    let (_, why) = UNITS.iter().find(|(f, _)| near(*f) || near(1.0 / f))?;
+    let off = |factor: f64| (ratio.ln().abs() - factor.ln()).abs();
+    let both = units.iter().filter(|(f, _)| near(*f) || near(1.0 / f));
+    let known = both.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+    let why = match known {
+        Some((_, why)) => why,
+        None if units == LENGTHS && !USUAL_GAINS.contains(&ratio) => "no actuator goes so far off",
+        None => return None,
+    };
     Some(format!(
         "{}: {what} is {ratio:.4} times what the model says, and {why}. Are the columns in the units of their headers?",
         r.name
@@ -217,6 +234,16 @@ mod tests {
     #[test]
     fn a_factor_between_two_units_is_asked_about() {
         assert_eq!(said(|_| {}), Vec::<String>::new());
+        let cm = said(|r| scale(&mut r.displacement_mm, 0.1));
+        assert!(
+            cm.iter().all(|s| s.contains("centimetre")) && cm.len() == 2,
+            "{cm:?}"
+        );
+        let four = said(|r| scale(&mut r.displacement_mm, 4.0));
+        assert!(
+            four.len() == 1 && four[0].contains("no actuator goes so far off"),
+            "{four:?}"
+        );
         let inch = said(|r| scale(&mut r.displacement_mm, 1.0 / 25.4));
         assert!(
             inch.iter().all(|s| s.contains("25.4 mm")) && inch.len() == 2,

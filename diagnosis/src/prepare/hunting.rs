@@ -1,10 +1,81 @@
-//! A hunting loop: the command is constant or nearly so, but the rig moves.
+//! A hunting loop: the command is constant or nearly so, but the rig moves; or it swings where the command does not.
 
 use crate::criteria::{LITTLE, SWINGS};
 use crate::numbers::coherence::linear_share;
-use crate::numbers::signals::{deviation, rms};
+use crate::numbers::signals::{deviation, difference, end_of, rms};
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::{Recording, correlation};
+use crate::record::rest;
+use crate::record::spectrum::{Density, low_passed};
+use std::ops::Range;
+
+/// Frequencies at which the loop of an actuator swings by itself, Hz.
+const LOOP_HZ: Range<f64> = 3.0..100.0;
+/// A swing's band, in parts of its frequency.
+const BAND: [f64; 2] = [0.7, 1.4];
+/// Share of the displacement's squares in that band up to which the command has nothing to do with it.
+const NOT_SENT: f64 = 1e-3;
+/// Multiple of the spectrum beyond twice its frequency that a swing has in its band.
+const STANDS_OUT: f64 = 10.0;
+/// Squares at rest over those of the swing up to which it is none of another machine's, which goes on at rest.
+const QUIET: f64 = 0.1;
+
+/// What an actuator's loop swings by itself once it moves.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnSwing {
+    /// Its frequency, Hz.
+    pub hz: f64,
+    /// Uncertainty of that, Hz.
+    pub bin_hz: f64,
+    /// Its size, mm rms.
+    pub rms_mm: f64,
+    /// Share of the residual's squares.
+    pub share: f64,
+}
+
+/// The swing in the residual of an actuator's record, if it is the loop's own: the command does not have it, and neither has the
+/// rest before or after the motion. A position loop swings so whose oil column is soft for its gain.
+pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
+    let seen = |x: &Option<Vec<f64>>| Some(end_of(x.as_ref()?, left.len()).to_vec());
+    let (command, moved) = (
+        seen(&recording.command_mm)?,
+        seen(&recording.displacement_mm)?,
+    );
+    let h = recording.interval_s();
+    let own = Density::of(left, h)?;
+    let [sent, moved] = [Density::of(&command, h)?, Density::of(&moved, h)?].map(|d| d.power);
+    let bins = |from_hz: f64, to_hz: f64| {
+        let bin = |hz: f64| ((hz / own.bin_hz).round() as usize).min(own.power.len());
+        bin(from_hz)..bin(to_hz)
+    };
+    let loops = bins(LOOP_HZ.start, LOOP_HZ.end.min(0.2 / h));
+    let not_sent = loops.filter(|i| sent[*i] < NOT_SENT * moved[*i]);
+    let peak = not_sent.max_by(|a, b| own.power[*a].total_cmp(&own.power[*b]))?;
+    let hz = peak as f64 * own.bin_hz;
+    let band = bins(BAND[0] * hz, BAND[1] * hz);
+    let sum = |power: &[f64]| power[band.clone()].iter().sum::<f64>();
+    let within = sum(&own.power);
+    let mut beyond = own.power[bins(2.0 * hz, f64::INFINITY)].to_vec();
+    beyond.sort_by(f64::total_cmp);
+    let floor = *beyond.get(beyond.len() / 2)?;
+    let all = own.power.iter().sum::<f64>();
+    let squares = within * own.bin_hz;
+    let offset = recording.time_s.len() - left.len();
+    let quiet = rest::spans(recording).into_iter().any(|(first, end)| {
+        let own = &left[first.saturating_sub(offset)..end.saturating_sub(offset)];
+        let [above, below] = BAND.map(|part| low_passed(own, h, part * hz));
+        let swings = difference(&below, &above);
+        own.len() > 1 && deviation(&swings).powi(2) < QUIET * squares
+    });
+    let stands_out = within > STANDS_OUT * floor * band.len() as f64;
+    let is_own = quiet && stands_out && sum(&sent) < NOT_SENT * sum(&moved);
+    is_own.then_some(OwnSwing {
+        hz,
+        bin_hz: own.bin_hz,
+        rms_mm: squares.sqrt(),
+        share: within / all,
+    })
+}
 
 /// True if the specimen moves during a rest: a hunting loop swings displacement and force together, each well above its
 /// sample noise. Such a force is not noise.
@@ -57,5 +128,45 @@ mod tests {
         let read = hums.displacement_mm.iter_mut().flatten().enumerate();
         read.for_each(|(i, x)| *x += 0.2 * (std::f64::consts::TAU * 50.0 * i as f64 * h).sin());
         assert!(!hunts(&hums, (0, 1900)));
+    }
+
+    #[test]
+    fn a_swing_is_the_loops_own_if_neither_the_command_nor_the_rest_has_it() {
+        let h = 2e-3;
+        let noise = |i: usize| ((i * 7919) % 1009) as f64 / 504.5 - 1.0;
+        let moves = |t: f64| (2.0..20.0).contains(&t);
+        let command = |t: f64| {
+            if moves(t) {
+                5.0 * (4.0 * (t - 2.0)).sin()
+            } else {
+                0.0
+            }
+        };
+        // Half a millimetre at 24 Hz, whose phase wanders.
+        let swings = |t: f64| 0.5 * (150.0 * t + (0.7 * t).sin()).sin();
+        let of = |sent: &dyn Fn(f64) -> f64, left: &dyn Fn(f64) -> f64| {
+            let time_s: Vec<f64> = (0..11_000).map(|i| i as f64 * h).collect();
+            let sent: Vec<f64> = time_s.iter().map(|t| sent(*t)).collect();
+            let noisy = |(i, t): (usize, &f64)| left(*t) + 0.01 * noise(i);
+            let left: Vec<f64> = time_s.iter().enumerate().map(noisy).collect();
+            let moved = sent.iter().zip(&left).map(|(u, x)| u + x).collect();
+            let record = Recording {
+                command_mm: Some(sent),
+                displacement_mm: Some(moved),
+                time_s,
+                ..Recording::default()
+            };
+            own_swing(&record, &left)
+        };
+        let hunts = |t: f64| if moves(t) { swings(t) } else { 0.0 };
+        let found = of(&command, &hunts).unwrap();
+        assert!((found.hz - 24.0).abs() < 1.5, "{found:?}");
+        assert!((found.rms_mm - 0.32).abs() < 0.05, "{found:?}");
+        assert!(found.share > 0.9, "{found:?}");
+        // Another machine goes on at rest; a command that has the frequency moves the ram; noise is none.
+        assert!(of(&command, &swings).is_none());
+        let shaken = |t: f64| command(t) + hunts(t);
+        assert!(of(&shaken, &hunts).is_none());
+        assert!(of(&command, &|_| 0.0).is_none());
     }
 }

@@ -240,11 +240,36 @@ fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     if late_s < 1e-3 {
         return None;
     }
-    let (lead, with_lead) = later(x, u, most(2.0 * late_s));
-    let (_, with_lag) = later(u, x, most(0.1_f64.max(2.0 * late_s)));
+    let [longest_lead, longest_lag] = [2.0 * late_s, 0.1_f64.max(2.0 * late_s)].map(most);
+    let (lead, with_lead) = later(x, u, longest_lead);
+    let (_, with_lag) = later(u, x, longest_lag);
     let unlike = |c: f64| 1.0 - c * c;
     let clearly = with_lead > 0.8 && unlike(with_lead) < 0.5 * unlike(with_lag);
-    (lead > 0 && clearly).then_some(lead as f64 * interval_s)
+    // Two clocks that run apart make a lead that grows; columns that are swapped have the same from first to last.
+    let (early, late) = (..u.len() / 2, u.len() / 2..);
+    let grows = || {
+        let [a, b] = [
+            led(&x[early], &u[early], [longest_lead, longest_lag])?,
+            led(&x[late.clone()], &u[late], [longest_lead, longest_lag])?,
+        ];
+        Some((a - b).abs() > 2.0_f64.max(DRIFTS * late_s / interval_s))
+    };
+    (lead > 0 && clearly && !grows().unwrap_or(false)).then_some(lead as f64 * interval_s)
+}
+
+/// Change of a lead from one half of a record to the other, as a share of the declared delay and lag, from which on it drifts.
+const DRIFTS: f64 = 0.25;
+
+/// Samples by which `x` goes before `u`, negative if it goes after; `None` if they are not alike.
+fn led(x: &[f64], u: &[f64], [longest_lead, longest_lag]: [usize; 2]) -> Option<f64> {
+    let (lead, with_lead) = later(x, u, longest_lead);
+    let (lag, with_lag) = later(u, x, longest_lag);
+    let best = if with_lead > with_lag {
+        (lead as f64, with_lead)
+    } else {
+        (-(lag as f64), with_lag)
+    };
+    (best.1 > 0.8).then_some(best.0)
 }
 
 /// The declared delay and lag plus three tolerances, s, if they are over long before the next sample.
@@ -332,6 +357,35 @@ mod tests {
         };
         let waits: Vec<f64> = drive.iter().map(play).collect();
         assert!(clipped(&waits, None).is_some() && clipped(&waits, Some(&drive)).is_none());
+    }
+
+    #[test]
+    fn swapped_columns_have_one_lead_and_two_clocks_one_that_grows() {
+        let moves = |t: f64| (5.0 * t).sin() + 0.6 * (13.7 * t).cos();
+        let of = |at: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            (0..60_000)
+                .map(|i| moves(at(1e-3 * f64::from(i))))
+                .collect()
+        };
+        let declared = |value| {
+            Some(crate::model::Declared {
+                value,
+                tolerance: 0.5,
+            })
+        };
+        let model = Model {
+            actuator: Some(crate::model::ActuatorModel {
+                delay_ms: declared(4.0),
+                ..Default::default()
+            }),
+            ..Default::default()
+        };
+        let command = of(&|t| t);
+        let swapped = of(&|t| t + 4e-3);
+        let lead = lead_s(&model, &command, &swapped, 1e-3).unwrap();
+        assert!((lead - 4e-3).abs() < 1e-3, "{lead}");
+        let stretched = of(&|t| (1.0 + 2.5e-4) * t - 4e-3);
+        assert_eq!(lead_s(&model, &command, &stretched, 1e-3), None);
     }
 
     #[test]

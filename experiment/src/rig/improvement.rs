@@ -77,11 +77,16 @@ fn why_not(channel: Channel, effect: Effect) -> &'static str {
         (_, Effect::StribeckFriction, _) => {
             "only its sliding part is; what sticks on top of it at rest is left"
         }
+        // With a force that it slides at, it would be taken out.
+        (Channel::Specimen, Effect::CoulombFriction, _) => {
+            "the loop takes out a friction that slides at one force, and what was found does not"
+        }
         (Channel::Specimen, _, Hysteresis | Damping | Stiffness | Asymmetry) => {
             "what a specimen does is what the test is made to find out, so it belongs into the result"
         }
         (_, _, Slow) => "let the rig warm up, and zero the channel before each test",
-        (_, _, Gap | Limit) => {
+        (_, _, Gap) => "it is in the rig's mechanics, and only a repair takes it away",
+        (_, _, Limit) => {
             "it is in the rig's mechanics, and only a repair or a smaller motion takes it away"
         }
         (_, _, Interference) => "find its source; a filter would delay the measurement",
