@@ -18,7 +18,7 @@ use crate::verb::effects::ListedEffect;
 use crate::verb::identify::IdentifiedOverFrequency;
 use crate::verb::improve::ImprovementRows;
 use crate::verb::replay::ReplayResult;
-use crate::verb::run::PlayedSignal;
+use crate::verb::run::{PlayedSignal, RunAnswer};
 use crate::verb::sweep::SweepResult;
 use diagnosis::CoupledDiagnosis;
 use experiment::summary::Summary;
@@ -42,7 +42,7 @@ type NamedSchema = (&'static str, fn() -> Value);
 pub const SCHEMAS: [NamedSchema; 26] = [
     ("test", || schema(&all())),
     ("model", model_schema),
-    ("run", of::<Summary>),
+    ("run", of::<RunAnswer<'static>>),
     ("run-signal", of::<PlayedSignal<'static>>),
     ("compare", of::<ComparedRows>),
     ("check", of::<CheckAnswer<'static>>),
