@@ -3,6 +3,7 @@
 use super::key::Group;
 use super::list::all;
 use super::render::{model_schema, schema};
+use crate::answer::CalibrationAnswer;
 use crate::difference::Difference;
 use crate::many::Outcome;
 use crate::provenance::Provenance;
@@ -39,7 +40,7 @@ struct ComparedRows {
 type NamedSchema = (&'static str, fn() -> Value);
 
 /// The schemas of files, and of the results of verbs.
-pub const SCHEMAS: [NamedSchema; 26] = [
+pub const SCHEMAS: [NamedSchema; 27] = [
     ("test", || schema(&all())),
     ("model", model_schema),
     ("run", of::<RunAnswer<'static>>),
@@ -60,6 +61,7 @@ pub const SCHEMAS: [NamedSchema; 26] = [
     ("keys", list_of::<Group>),
     ("board-identify", of::<Identity>),
     ("board-status", of::<Status>),
+    ("board-calibrate", of::<CalibrationAnswer>),
     ("board-clear", of::<Cleared>),
     ("board-desk", of::<DeskAnswer<'static>>),
     ("benchmark-rths", of::<RthsAnswer<'static>>),
