@@ -191,11 +191,20 @@ fn as_the_page_says(image: Image, block: usize) {
         for (order, without) in [
             ("identify", "codes"),
             ("status", "mode"),
+            ("calibrate", "calibration"),
             ("clear", "provenance"),
         ] {
             let answer = json(&["board", order, "--port", port, "--json"]);
             is_as_its_schema_says(&format!("board-{order}"), &answer, without);
         }
+        // What it writes is what it reads.
+        let number = || json(&["board", "calibrate", "--port", port, "--json"])["number"].clone();
+        let before = number();
+        for more in ["--out shown", "--file shown/calibration.toml"] {
+            let line = format!("board calibrate --port /dev/ttyACM0 {more}");
+            follow(&line, port, folder.path());
+        }
+        assert_eq!(number(), before);
     });
     let written = folder.path().join("four-wires/summary.json");
     let summary: Value = serde_json::from_str(&std::fs::read_to_string(written).unwrap()).unwrap();

@@ -11,6 +11,7 @@ use crate::files::test::{Excitation, TestFile};
 use crate::floors::with_floors;
 use crate::memory;
 use crate::numbers::{percent, si, three};
+use crate::rig::improvement::remark_on_lateness;
 use crate::stability::variation::Variation;
 use crate::trace::{Response, TestObserver};
 use outerloop_core::{Config, Design, GroundMotion, Method, Rig, config::Filter};
@@ -455,9 +456,10 @@ impl Experiment {
         )
     }
 
-    /// Warnings before the test runs, where a value looks like a typing error.
+    /// Warnings before the test runs, where a value looks like a typing error or the compensation leaves a lateness.
     pub fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
+        let late = remark_on_lateness(&self.test.config);
+        let mut remarks: Vec<String> = late.into_iter().collect();
         if let Some(hz) = self.natural_frequencies_hz().first()
             && !USUAL_HZ.contains(hz)
         {

@@ -1,4 +1,4 @@
-//! A board's identity and status.
+//! A board's identity, status and calibration.
 
 use crate::board::describe_words;
 use crate::document::{Document, Grade};
@@ -6,7 +6,10 @@ use experiment::coupled::figures::axis_name;
 use experiment::watch::{NamedCause, WatchEvent};
 use link::reply::Identity;
 use link::status::{Status, WatchStatus};
+use link::{Calibration, CodeRange};
 use outerloop_core::coupled::INTERFACE_AXIS;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Its identity: firmware, clocks and capacities.
 pub fn of_identity(identity: &Identity) -> Document {
@@ -124,6 +127,72 @@ fn readings(d: &mut Document, identity: &Identity, status: &Status) {
     }
 }
 
+/// What `board calibrate` answers in JSON.
+#[derive(Serialize, JsonSchema)]
+pub struct CalibrationAnswer {
+    /// The actuator, from 1.
+    pub actuator: u8,
+    /// How many the board has.
+    pub actuators: usize,
+    /// Number of the calibration of all of them, as `board.calibration` of a test file requires it.
+    pub number: String,
+    /// Widths of the converters' codes.
+    pub codes: CodeRange,
+    /// The lines in force: quantity = per_code * (code - zero_code), in m and N.
+    pub calibration: Calibration,
+    /// The channels that were zeroed.
+    pub zeroed: Vec<Zeroed>,
+    /// What will happen to a calibration that was changed and not saved.
+    pub not_kept: Option<&'static str>,
+}
+
+/// A channel that was zeroed.
+#[derive(Serialize, JsonSchema)]
+pub struct Zeroed {
+    /// `displacement` or `force`.
+    pub channel: &'static str,
+    /// Mean of its codes.
+    pub code: f32,
+    /// The largest of them less the smallest.
+    pub spread: u16,
+    /// What that reads now, m or N.
+    pub value: f32,
+}
+
+/// The calibration of one of its actuators; `file`: as a file has it. On a terminal everything else is a comment, so that the
+/// output is such a file, too.
+pub fn of_calibration(found: &CalibrationAnswer, file: &str) -> Document {
+    let (number, actuator, of) = (&found.number, found.actuator, found.actuators);
+    let lead = format!("Actuator {actuator} of {of}.");
+    let mut d = Document::new("A board's calibration", lead, true);
+    let zeroed = found.zeroed.iter().map(|zeroed| {
+        let Zeroed {
+            channel,
+            code,
+            spread,
+            value,
+        } = zeroed;
+        format!("{channel}: code {code:.1} with a spread of {spread} is {value} now")
+    });
+    let several =
+        (of > 1).then(|| format!("actuator {actuator} of {of}; the number is of all of them"));
+    let lines = format!(
+        "number {number}; quantity = per_code * (code - zero_code), in m and N; the sensors' codes are 0 to {}, the command's 0 to {}",
+        found.codes.sensor_top, found.codes.command_top
+    );
+    for sentence in zeroed.chain(several).chain([lines]) {
+        d.tell(format!("# {sentence}"));
+        d.explain(sentence);
+    }
+    if let Some(said) = found.not_kept {
+        d.on_page(|d| d.verdict(Grade::Fair, said));
+    }
+    d.heading("As `board calibrate --file` accepts it");
+    d.file(file);
+    d.on_terminal(|d| d.file(file));
+    d
+}
+
 /// The rig watch's findings on a board with this many actuators, with their values and their time.
 fn describe_watch(
     watch: &WatchStatus,
@@ -194,5 +263,50 @@ mod tests {
              cell 2 (0.0500, 0.0418 to 0.0582); delay_error is corrected for by 11.5 ms; what the compensation learns is held at what \
              was declared (5000 blocks judged, 100 us each at worst, 10 us on average)"
         );
+    }
+
+    #[test]
+    fn a_calibration_is_printed_as_a_file_and_the_page_has_it_with_what_was_done() {
+        let codes = CodeRange {
+            sensor_top: 8190,
+            sensor_rail: 16,
+            sensor_spare: 80,
+            command_top: 4095,
+            command_spare: 40,
+        };
+        let calibration = Calibration::nominal(&codes);
+        let found = CalibrationAnswer {
+            actuator: 2,
+            actuators: 3,
+            number: "00c0ffee".into(),
+            codes,
+            calibration,
+            zeroed: vec![Zeroed {
+                channel: "force",
+                code: 4101.5,
+                spread: 3,
+                value: -250.0,
+            }],
+            not_kept: Some("the next reset takes it back"),
+        };
+        let document = of_calibration(&found, &toml::to_string(&calibration).unwrap());
+        let printed = document.terminal();
+        let read: Calibration = toml::from_str(&printed).unwrap();
+        assert_eq!(read, calibration, "{printed}");
+        let page = document.page();
+        for words in [
+            "force: code 4101.5 with a spread of 3 is -250 now",
+            "actuator 2 of 3; the number is of all of them",
+            "number 00c0ffee; quantity",
+            "codes are 0 to 8190, the command's 0 to 4095",
+        ] {
+            assert!(printed.contains(words), "{words}: {printed}");
+            assert!(
+                page.replace("&#39;", "'").contains(words),
+                "{words}: {page}"
+            );
+        }
+        assert!(page.contains("the next reset takes it back"), "{page}");
+        assert!(page.contains("[displacement]"), "{page}");
     }
 }

@@ -24,7 +24,7 @@ mod witness;
 
 pub mod benchmark;
 
-pub use board::{of_identity, of_status};
+pub use board::{CalibrationAnswer, Zeroed, of_calibration, of_identity, of_status};
 pub use check::{CheckSection, of_check};
 pub use comparison::of_compare;
 pub use coupled_check::of_coupled_check;

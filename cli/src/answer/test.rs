@@ -29,7 +29,10 @@ pub fn of_run(
     d.tell(experiment.in_words());
     remarks.iter().for_each(|remark| d.tell(remark));
     d.on_terminal(|d| summaries(d, std::slice::from_ref(summary)));
-    d.on_page(|d| verdict(d, summary));
+    d.on_page(|d| {
+        verdict(d, summary);
+        d.items(remarks.to_vec());
+    });
     if let Some((trace, ideal)) = trace {
         tiles(&mut d, summary);
         let section = TestSection {

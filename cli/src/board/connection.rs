@@ -1,6 +1,6 @@
 //! Commands and their replies, and the telemetry between them.
 
-use super::port::Port;
+use super::port::{Port, Serial};
 use experiment::failure::Failure;
 use link::continuity::{Continuity, Ticks};
 use link::frame::{Decoder, DecoderCounts, FrameKind};
@@ -68,6 +68,16 @@ pub struct Connection<P> {
 
 /// A connection to a board over any kind of port.
 pub type BoardConnection = Connection<Box<dyn Port>>;
+
+impl Connection<Serial> {
+    /// With the board at this serial port.
+    ///
+    /// # Errors
+    /// A port that cannot be opened.
+    pub fn open(device: &str) -> Result<Self, Failure> {
+        Ok(Self::new(Serial::open(device)?, Timeouts::BOARD))
+    }
+}
 
 impl<P: Port> Connection<P> {
     /// Over `port`. Nothing is sent yet.

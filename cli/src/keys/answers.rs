@@ -3,6 +3,7 @@
 use super::key::Group;
 use super::list::all;
 use super::render::{model_schema, schema};
+use crate::answer::CalibrationAnswer;
 use crate::difference::Difference;
 use crate::many::Outcome;
 use crate::provenance::Provenance;
@@ -18,7 +19,7 @@ use crate::verb::effects::ListedEffect;
 use crate::verb::identify::IdentifiedOverFrequency;
 use crate::verb::improve::ImprovementRows;
 use crate::verb::replay::ReplayResult;
-use crate::verb::run::PlayedSignal;
+use crate::verb::run::{PlayedSignal, RunAnswer};
 use crate::verb::sweep::SweepResult;
 use diagnosis::CoupledDiagnosis;
 use experiment::summary::Summary;
@@ -39,10 +40,10 @@ struct ComparedRows {
 type NamedSchema = (&'static str, fn() -> Value);
 
 /// The schemas of files, and of the results of verbs.
-pub const SCHEMAS: [NamedSchema; 26] = [
+pub const SCHEMAS: [NamedSchema; 27] = [
     ("test", || schema(&all())),
     ("model", model_schema),
-    ("run", of::<Summary>),
+    ("run", of::<RunAnswer<'static>>),
     ("run-signal", of::<PlayedSignal<'static>>),
     ("compare", of::<ComparedRows>),
     ("check", of::<CheckAnswer<'static>>),
@@ -60,6 +61,7 @@ pub const SCHEMAS: [NamedSchema; 26] = [
     ("keys", list_of::<Group>),
     ("board-identify", of::<Identity>),
     ("board-status", of::<Status>),
+    ("board-calibrate", of::<CalibrationAnswer>),
     ("board-clear", of::<Cleared>),
     ("board-desk", of::<DeskAnswer<'static>>),
     ("benchmark-rths", of::<RthsAnswer<'static>>),

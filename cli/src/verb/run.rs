@@ -21,6 +21,7 @@ use experiment::files::test::TestFile;
 use experiment::files::{look_ahead, model, output, record_csv};
 use experiment::judged::JudgedRun;
 use experiment::rig::improvement;
+use experiment::summary::Summary;
 use experiment::trace::Response;
 use experiment::watch::agreement;
 use schemars::JsonSchema;
@@ -92,13 +93,17 @@ impl Run {
         if let Some(path) = &self.signal {
             return self.play(&test, path, out);
         }
-        let mut remarks = test.remarks();
+        let mut remarks: Vec<String> = test.warning_of_true_delay().into_iter().collect();
         if let Some(path) = &self.model {
             remarks.extend(take_into_account(path, &mut test)?);
         }
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        remarks.extend(experiment.remarks());
-        let ran = self.test(&experiment, out.is_some())?;
+        let compensation = match &self.compensation {
+            Some(name) => test.compensation_named(name)?,
+            None => test.compensation(),
+        };
+        remarks.extend(experiment.under(compensation)?.remarks());
+        let ran = self.test(&experiment, compensation, out.is_some())?;
         let summary = &ran.run.summary;
         let page = ran.run.trace.as_ref().filter(|_| out.is_some());
         let page = page.map(|trace| (trace, &ran.ideal));
@@ -109,22 +114,25 @@ impl Run {
         let archived = self.archived(&experiment, &ran)?;
         let files = || Ok(ran.files(archived, experiment.test.config.timing.rate_hz));
         let wanted = (out, self.common.json);
+        let remarks = &remarks;
+        let figures = RunAnswer { summary, remarks };
         hand_over(wanted, files, |_| {
             document.with_figures(
                 "summary.json",
-                &WithProvenance::seeded(summary, self.common.seed),
+                &WithProvenance::seeded(&figures, self.common.seed),
             )
         })?;
         summary.outcome()
     }
 
     /// Runs the test; for a page or an archive every step is kept.
-    fn test(&self, experiment: &Experiment, with_page: bool) -> Result<Ran, Failure> {
+    fn test(
+        &self,
+        experiment: &Experiment,
+        compensation: Compensation,
+        with_page: bool,
+    ) -> Result<Ran, Failure> {
         let test = &experiment.test;
-        let compensation = match &self.compensation {
-            Some(name) => test.compensation_named(name)?,
-            None => test.compensation(),
-        };
         let keep = with_page || self.archive.is_some();
         experiment.check_memory(experiment.memory_bytes(keep))?;
         if let Some(note) = experiment.note_of_size(keep) {
@@ -226,6 +234,15 @@ impl Run {
         }
         Ok(archived)
     }
+}
+
+/// The contents of a test's summary.json.
+#[derive(Serialize, JsonSchema)]
+pub struct RunAnswer<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    /// What is to be known of the test file, the rig and the model beside the figures, in sentences.
+    remarks: &'a [String],
 }
 
 /// A completed test.

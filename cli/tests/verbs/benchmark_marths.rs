@@ -114,9 +114,8 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
     assert!(5.84 < low && high < 6.63, "{mass}");
 }
 
-/// The same where the problem's files are not: a frame and a ground motion made up here, under the names of the problem's.
-#[test]
-fn the_record_of_a_drawn_frame_names_the_same_and_its_floor_falls() {
+/// A frame and a ground motion made up here, in a new folder under the names of the problem's.
+pub fn drawn_problem() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let [marths, motions] = ["marths", "ground-motion"].map(|name| folder.path().join(name));
     for own in [&marths, &motions] {
@@ -128,6 +127,13 @@ fn the_record_of_a_drawn_frame_names_the_same_and_its_floor_falls() {
     }
     let motion = crate::benchmark_rths::earthquake(&motions);
     std::fs::rename(motion, motions.join("RTHSBENCH_ElCentro.csv")).unwrap();
+    folder
+}
+
+/// The same where the problem's files are not.
+#[test]
+fn the_record_of_a_drawn_frame_names_the_same_and_its_floor_falls() {
+    let folder = drawn_problem();
     let ([before, _, j7], _) = floors_before_and_after(&folder.path().to_string_lossy());
     for i in 0..2 {
         assert!(j7[i] < 0.8 && before[i] > 10.0, "{before:?} {j7:?}");

@@ -106,17 +106,12 @@ fn every_verb_fits_a_terminal_of_80_columns() {
 
 #[test]
 fn both_benchmarks_fit_a_terminal_of_80_columns() {
-    if test_data::file("marths/K_matrix.csv").is_none()
-        || test_data::file("ground-motion/RTHSBENCH_Kobe.csv").is_none()
-    {
-        return;
-    }
+    let problem = crate::benchmark_marths::drawn_problem();
     for line in [
-        "benchmark marths --records Kobe --controllers none,coupled-fixed,coupled --plants 1",
-        "benchmark rths --records Kobe --controllers none,tangent,feedforward-feedback --plants 1",
+        "benchmark marths --records ElCentro --controllers none,coupled-fixed,coupled --plants 1",
+        "benchmark rths --records ElCentro --controllers none,tangent,feedforward-feedback --plants 1",
     ] {
-        let data = test_data::folder().unwrap();
-        let line = format!("{line} --data {}", data.display());
+        let line = format!("{line} --data {}", problem.path().display());
         let (status, text) = told(Path::new(""), &line);
         assert_eq!(status, Some(0), "{text}");
         check(&line, &text);

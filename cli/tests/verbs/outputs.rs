@@ -26,7 +26,7 @@ const READ: [&str; 14] = [
 ];
 
 /// Every place that a verb writes to, with a command in which it is also an input.
-const WRITTEN: [(&str, &str, &str); 20] = [
+const WRITTEN: [(&str, &str, &str); 21] = [
     ("run", "--out", "run o/record.csv --out o"),
     ("run", "--archive", "run table1.toml --archive table1.toml"),
     ("compare", "--out", "compare o/compare.json --out o"),
@@ -95,6 +95,11 @@ const WRITTEN: [(&str, &str, &str); 20] = [
         "--out",
         "board commission table1.toml --emulated --signal m.csv --out m.csv",
     ),
+    (
+        "board calibrate",
+        "--out",
+        "board calibrate --port none --file o/calibration.toml --out o",
+    ),
 ];
 
 /// Places written by a verb without input, or that never exist before.
@@ -130,6 +135,7 @@ fn laboratory() -> tempfile::TempDir {
         "difference.json",
         "replay.json",
         "summary.json",
+        "calibration.toml",
         "model.toml",
         "rths.json",
         "table1-record.csv",

@@ -1,6 +1,6 @@
 //! The provenance in every result; the reports of `check` and `monte-carlo`.
 
-use crate::common::{json, json_with, outerloop};
+use crate::common::{is_as_its_schema_says, json, json_with, outerloop};
 use serde_json::Value;
 use std::path::Path;
 
@@ -58,6 +58,97 @@ fn every_answer_in_json_says_who_when_and_with_what() {
     let answer = json(&["replay", &archive, "--json"]);
     let files = answer["provenance"]["files"].as_array().unwrap();
     assert_eq!(files[0]["file"], archive.as_str());
+}
+
+/// The columns of `record.csv` with these names.
+fn columns<const N: usize>(folder: &Path, names: [&str; N]) -> Vec<[f64; N]> {
+    let text = std::fs::read_to_string(folder.join("record.csv")).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let places = names.map(|name| head.iter().position(|h| *h == name).expect(name));
+    let rows = lines.map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        places.map(|place| cells[place].parse().unwrap())
+    });
+    rows.collect()
+}
+
+/// By how much the force of a spring follows its displacement, ms: `f = k (x - T v)`, where `v` is the difference of neighbours.
+fn force_late_ms(rows: &[[f64; 3]]) -> f64 {
+    let (mut xx, mut xv, mut vv, mut fx, mut fv) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for near in rows.windows(3) {
+        let [[t0, x0, _], [_, x, f], [t1, x1, _]] = [near[0], near[1], near[2]];
+        let v = (x1 - x0) / (t1 - t0);
+        (xx, xv, vv) = (xx + x * x, xv + x * v, vv + v * v);
+        (fx, fv) = (fx + f * x, fv + f * v);
+    }
+    let (k, c) = (fx * vv - fv * xv, fv * xx - fx * xv);
+    -1e3 * c / k
+}
+
+#[test]
+fn the_lateness_of_the_force_is_said_in_json_and_on_the_page_and_is_what_was_put_in() {
+    const SKEW_MS: f64 = 1.5;
+    let folder = tempfile::tempdir().unwrap();
+    let out = |name: &str| folder.path().join(name);
+    let effect = format!("plant.effects=[{{name='channel_skew',skew_ms={SKEW_MS}}}]");
+    let known = format!("rig.force_late_ms=[{SKEW_MS}]");
+    let run = |name: &str, method: &str, set: &[&str], status: i32| {
+        let out = out(name).display().to_string();
+        let mut words = vec!["run", TABLE1, "--duration", "10", "--compensation", method];
+        words.extend(["--set", &effect, "--out", &out, "--json"]);
+        words.extend(set.iter().flat_map(|set| ["--set", set]));
+        json_with(status, &words)
+    };
+    let late = |answer: &Value| -> Vec<String> {
+        let remarks = answer["remarks"].as_array().unwrap().iter();
+        let remarks = remarks.map(|remark| remark.as_str().unwrap().to_owned());
+        remarks.filter(|r| r.contains("waits")).collect()
+    };
+    // Nobody has told the loop, and the record shows it.
+    let untold = run("untold", "paper", &[], 1);
+    assert_eq!(late(&untold), [""; 0]);
+    let found_ms = force_late_ms(&columns(
+        &out("untold"),
+        ["time_s", "displacement_m", "force_n"],
+    ));
+    println!("the force is {found_ms:.3} ms late in the record");
+    assert!((found_ms - SKEW_MS).abs() < 0.02, "{found_ms}");
+    let told = run("told", "paper", &[&known], 0);
+    let sentences = late(&told);
+    let [sentence] = &sentences[..] else {
+        panic!("{told}")
+    };
+    let said = sentence
+        .split_once("waits ")
+        .unwrap()
+        .1
+        .split_once(" ms")
+        .unwrap()
+        .0;
+    assert_eq!(said, format!("{found_ms:.2}").as_str(), "{sentence}");
+    page(&out("told"), &[sentence]);
+    is_as_its_schema_says("run", &told, "remarks");
+    let terminal = outerloop(&[
+        "run",
+        TABLE1,
+        "--duration",
+        "10",
+        "--set",
+        &effect,
+        "--set",
+        &known,
+    ]);
+    let terminal = String::from_utf8(terminal.stdout).unwrap();
+    let one_line = terminal.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(one_line.contains(sentence.as_str()), "{terminal}");
+    // With the predictor that it names, and the delay that it says is missing, there is nothing left to say.
+    let delay = format!("compensation.delay_ms={}", 4.0 + SKEW_MS);
+    let ahead = run("ahead", "paper+afp", &[&known, &delay], 0);
+    assert_eq!(late(&ahead), [""; 0]);
+    let eps = [&told, &ahead].map(|answer| answer["eps_rms"].as_f64().unwrap());
+    println!("eps_rms {eps:?}");
+    assert!(eps[1] < 0.05 * eps[0], "{eps:?}");
 }
 
 /// The page of a folder: it needs no other files, and no number in it has overflowed.

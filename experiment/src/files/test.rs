@@ -8,7 +8,6 @@ use crate::failure::Failure;
 use crate::files::serve::Settings;
 use crate::files::watch::WatchSettings;
 use crate::rig::declared::{self, Expected};
-use crate::rig::improvement;
 use crate::trace::Trace;
 use diagnosis::Model;
 use outerloop_core::{Config, Refusal, accept};
@@ -264,17 +263,8 @@ impl TestFile {
             .or_else(|| declared::from_plant(&self.config, &self.plant))
     }
 
-    /// What is to be said before the test runs.
-    pub fn remarks(&self) -> Vec<String> {
-        let late = improvement::remark_on_lateness(&self.config);
-        self.warning_of_true_delay()
-            .into_iter()
-            .chain(late)
-            .collect()
-    }
-
     /// A warning where the compensation is given what no laboratory knows.
-    fn warning_of_true_delay(&self) -> Option<String> {
+    pub fn warning_of_true_delay(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
                 "Nothing is declared of the actuator ([declared.actuator]): the compensation uses the true delay of the simulated actuator, {} ms.",

@@ -3,6 +3,9 @@
 use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+use outerloop_core::Method;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The images, the interrupt of each one's control period (with the chip's own converters, and with external ones), and the
 /// flash that it may take.
@@ -19,10 +22,17 @@ fn images() -> impl Iterator<Item = (Vec<u8>, &'static str, u64)> {
         let coupled = if flash > MOST_FLASH { ",coupled" } else { "" };
         let named = std::env::var_os(name.replace("nucleo_f429zi", "OUTERLOOP_IMAGE"));
         let features = format!("nucleo-f429zi,winning-methods{coupled}");
+        let _alone = alone();
         let path = named.map_or_else(|| image(name, &features), |path| Some(path.into()))?;
         println!("{name}, {}:", path.display());
         Some((std::fs::read(path).unwrap(), interrupt, flash))
     })
+}
+
+/// Held from building an image to reading it, since the test for the board builds the same files with other features.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Little more than a third of the flash's first bank (1024 KiB), which runs while the second is written. Most of it is three
@@ -37,10 +47,22 @@ const COUPLED_FLASH: u64 = 44 * 1024;
 
 #[test]
 fn sizes() {
-    images().for_each(|(bytes, _, most)| size(&bytes, most));
+    images().for_each(|(bytes, _, most)| {
+        let [flash, ram] = flash_and_ram(&bytes);
+        println!(
+            "flash {:.1} KiB, RAM {:.1} KiB without the stack",
+            kib(flash),
+            kib(ram)
+        );
+        assert!(flash <= most, "{flash} of {most}");
+    });
 }
 
-fn size(bytes: &[u8], most: u64) {
+fn kib(bytes: u64) -> f64 {
+    bytes as f64 / 1024.0
+}
+
+fn flash_and_ram(bytes: &[u8]) -> [u64; 2] {
     let file = object::File::parse(bytes).unwrap();
     let (mut flash, mut ram) = (0, 0);
     for section in file.sections() {
@@ -55,13 +77,89 @@ fn size(bytes: &[u8], most: u64) {
             _ => {}
         }
     }
-    let kib = |bytes: u64| bytes as f64 / 1024.0;
-    println!(
-        "flash {:.1} KiB, RAM {:.1} KiB without the stack",
-        kib(flash),
-        kib(ram)
-    );
-    assert!(flash <= most, "{flash} of {most}");
+    [flash, ram]
+}
+
+/// How far a size in a document may be off, KiB: another release of the compiler makes other code.
+const SIZE_OFF_KIB: f64 = 2.0;
+
+/// A document in one line, up to `end` behind the first `begin`.
+fn said(document: &str, begin: &str, end: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .join(document);
+    let text = std::fs::read_to_string(path).unwrap();
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let behind = line
+        .split_once(begin)
+        .and_then(|(_, behind)| behind.split_once(end));
+    let (between, _) =
+        behind.unwrap_or_else(|| panic!("{document} no longer says `{begin}`...`{end}`"));
+    between.to_owned()
+}
+
+#[test]
+fn the_documents_have_the_sizes_of_the_images() {
+    let images: Vec<f64> = images()
+        .map(|(bytes, ..)| kib(flash_and_ram(&bytes)[0]))
+        .collect();
+    let [internal, external, three] = images[..] else {
+        return;
+    };
+    for (document, begin, end, takes_kib) in [
+        (
+            "README.md",
+            "An image takes ",
+            " KiB of flash",
+            &[internal, three][..],
+        ),
+        (
+            "docs/validation.md",
+            "| size of the image | ",
+            ";",
+            &[internal, three],
+        ),
+        (
+            "docs/firmware.md",
+            "| flash, 12 bits / 16 bits / three actuators | ",
+            " KiB",
+            &images,
+        ),
+    ] {
+        let said = said(document, begin, end);
+        let numbers = said.split(' ').filter_map(|word| word.parse().ok());
+        let numbers: Vec<f64> = numbers.collect();
+        let off = |(said, takes): (&f64, &f64)| (said - takes).abs() > SIZE_OFF_KIB;
+        let drifted = numbers.len() != takes_kib.len() || numbers.iter().zip(takes_kib).any(off);
+        assert!(
+            !drifted,
+            "{document} says `{begin}{said}{end}`, and the images take {takes_kib:.0?} KiB: correct the page"
+        );
+    }
+    println!("{internal:.1} {external:.1} {three:.1} KiB, as the documents say");
+}
+
+/// An image has a sentence of refusal for each method that it lacks.
+#[test]
+fn the_readme_lists_the_methods_that_are_in_the_images() {
+    let listed = said("README.md", "of flash and has the methods `", "`. [Others]");
+    let mut listed: Vec<&str> = listed.split('`').step_by(2).collect();
+    listed.sort_unstable();
+    for (bytes, ..) in images() {
+        let lacks = |name: &str| {
+            let sentence = format!(": {name} needs the cargo feature");
+            bytes
+                .windows(sentence.len())
+                .any(|part| part == sentence.as_bytes())
+        };
+        let built = Method::ALL.iter().map(|method| method.name());
+        let mut built: Vec<&str> = built.filter(|name| !lacks(name)).collect();
+        built.sort_unstable();
+        assert!(
+            listed == built,
+            "README.md lists {listed:?}, and an image has {built:?}: correct the list"
+        );
+    }
 }
 
 /// Then nothing in the tasks can delay the control interrupt, and it is computed in single precision.
@@ -187,6 +285,7 @@ fn ways_out(bytes: &[u8]) {
 
 #[test]
 fn the_test_on_the_board_builds() {
+    let _alone = alone();
     let Some(built) = on_target() else {
         return;
     };

@@ -73,8 +73,7 @@ fn mean(x: impl ExactSizeIterator<Item = f64>) -> f64 {
 }
 
 /// Mean of displacement minus command, mm.
-fn shift(name: &str, span_s: [f64; 2]) -> Option<f64> {
-    let r = record(name, Some(span_s))?;
+pub fn shift_mm(r: Recording) -> Option<f64> {
     let (u, x) = (r.command_mm?, r.displacement_mm?);
     Some(mean(x.iter().zip(&u).map(|(x, u)| x - u)))
 }
@@ -133,7 +132,7 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
 #[test]
 fn the_rests_of_the_actuator_say_that_its_shift_is_of_motion_and_its_zero_of_the_day() {
     let of = |name, spans: [[f64; 2]; 3]| {
-        let [before, moving, after] = spans.map(|s| shift(name, s));
+        let [before, moving, after] = spans.map(|s| shift_mm(record(name, Some(s))?));
         Some([before?, moving?, after?])
     };
     let chirp = of(CHIRP, [[0.0, 5.5], [45.0, 58.0], [59.5, 61.4]]);

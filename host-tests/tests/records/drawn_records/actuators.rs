@@ -1,6 +1,7 @@
 //! Actuators, and the channels around them.
 
 use super::super::other_channels::{found, testimony};
+use super::super::real_records::shift_mm;
 use super::{ANY, Bristles, Drawn, FRICTION, LATE, assert_has, right, said, tones};
 use diagnosis::{Says, Verdict};
 use plant::Effect;
@@ -155,6 +156,68 @@ fn a_drawn_ram_that_is_faster_one_way_is_named_unless_its_zero_is_of_another_day
         .unwrap();
     println!("{}", said(&a));
     assert_eq!(a.verdict, Verdict::Unknown, "{}", said(&a));
+}
+
+/// Beside the rests of the servo-hydraulic actuator: the shift of a ram that is faster one way comes and goes with its motion, and is
+/// taken neither for an offset nor for a drift.
+#[test]
+fn the_rests_of_a_drawn_ram_say_that_its_shift_is_of_motion() {
+    let mut drawn = Drawn::new("resting_ram");
+    let moves = |t: f64| ((t - 3.0).min(43.0 - t) / 2.0).clamp(0.0, 1.0);
+    let wanted = |t: f64| moves(t) * tones(&[0.27, 0.71, 1.6, 3.1, 6.3], 6.0, t)[0];
+    let (mut x, mut behind_mm, mut steps) = (0.0, 0.0, 0.0);
+    drawn.record(
+        ["ram.csv", "command_mm,displacement_mm"],
+        250.0,
+        [1.0, 46.8],
+        [0.0, 2.6e-3],
+        |t, dt| {
+            let e: f64 = wanted(t - 5e-3) - x;
+            x += dt * e / if e > 0.0 { 0.0205 } else { 0.0235 };
+            if (2.9..43.5).contains(&t) {
+                (behind_mm, steps) = (behind_mm + e.abs(), steps + 1.0);
+            }
+            [wanted(t), x]
+        },
+    );
+    let declared = [
+        ("gain", [1.0, 0.02]),
+        ("delay_ms", [5.0, 2.0]),
+        ("lag_ms", [22.0, 3.0]),
+        ("offset_mm", [0.0, 0.1]),
+    ];
+    let spans: [&[&str]; 2] = [&["ram.csv@0..26"], &["ram.csv@26..46.7"]];
+    let names = ["asymmetric_actuator"];
+    let case = drawn.case(
+        "actuator",
+        &declared,
+        spans,
+        [&["effect", "partial"], &names],
+        0.003,
+    );
+    let (whole, _) = case.held_out().unwrap();
+    let spans = [[0.0, 2.9], [2.9, 43.5], [43.5, 46.7]];
+    let shifts = spans.map(|[from, to]| shift_mm(whole.span(from, to)).unwrap());
+    // From rest to rest it goes as far up as down, so it is behind the command by shares that are as the two times.
+    let difference = (0.0235 - 0.0205) / (0.0235 + 0.0205);
+    let by_law = behind_mm / steps * difference;
+    println!("{shifts:.4?} mm before, in motion, after; by its law {by_law:.4}");
+    assert!(
+        shifts[0].abs() < 1e-3 && shifts[2].abs() < 1e-3,
+        "{shifts:?}"
+    );
+    assert!(
+        (shifts[1] / by_law - 1.0).abs() < 0.05,
+        "{shifts:?} {by_law}"
+    );
+    let a = right(&case);
+    assert_has(&a, "flow_difference", difference, 0.05);
+    let offset = a.refitted.iter().find(|r| r.name == "offset_mm");
+    assert!(
+        offset.is_some_and(|r| r.value.abs() < 0.1 * by_law),
+        "{}",
+        said(&a)
+    );
 }
 
 /// Beside `table_two_transducers`: the second transducer is late and reads less one way.
