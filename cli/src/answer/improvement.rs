@@ -10,6 +10,7 @@ use ::diagnosis::{ChannelAnswer, Verdict};
 use experiment::Experiment;
 use experiment::judged::JudgedRun;
 use experiment::numbers::percent;
+use experiment::summary::GOOD_EPS_RMS;
 
 /// Tests whose records were diagnosed, and the improved tests.
 pub fn of_improvements(improvements: &[(String, &Improvement)], with_page: bool) -> Document {
@@ -49,8 +50,29 @@ pub(super) fn in_short(d: &mut Document, improvement: &Improvement) {
     }
     let changes = improvement.changes.iter();
     lines.extend(changes.map(|change| format!("-> {change}")));
+    lines.extend(by_the_method(improvement));
     d.items(lines);
 }
+
+/// That an error which is left is the compensation's own: a test without the effect has it, too, or nothing is missing.
+fn by_the_method(improvement: &Improvement) -> Option<String> {
+    let after = &improvement.after.summary;
+    let channels = &improvement.diagnosis.channels;
+    let own = match &improvement.possible {
+        Some(without) => (without.summary.eps_rms / after.eps_rms - 1.0).abs() < SAME,
+        None => channels.iter().all(|c| c.verdict == Verdict::None),
+    };
+    (own && after.eps_rms > GOOD_EPS_RMS).then(|| {
+        format!(
+            "The error that is left is that of `{}` with this actuator, and of nothing that is missing. `outerloop check` says which \
+             method has less.",
+            after.compensation
+        )
+    })
+}
+
+/// Errors that differ by less are the same.
+const SAME: f64 = 0.1;
 
 /// One row per improvement.
 pub(super) fn table_of(d: &mut Document, improvements: &[(String, &Improvement)]) {

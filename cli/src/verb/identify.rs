@@ -159,21 +159,24 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
 }
 
 /// Sets what is declared of the actuator, so that the watch does not take what was identified for an error. A tolerance stays,
-/// unless what was identified is less certain.
+/// unless it is 0 or what was identified is less certain.
 fn declare(declared: &mut Item, found: &Identified) {
     let all = [
-        ("gain", "1", found.gain, found.gain_ci90),
-        ("delay_ms", "ms", found.delay_ms, found.delay_ms_ci90),
-        ("lag_ms", "ms", found.lag_ms, found.lag_ms_ci90),
+        ("gain", "1", found.gain, found.gain_ci90, 0.01),
+        ("delay_ms", "ms", found.delay_ms, found.delay_ms_ci90, 0.5),
+        ("lag_ms", "ms", found.lag_ms, found.lag_ms_ci90, 0.5),
     ];
-    for (key, unit, own, [low, high]) in all {
+    for (key, unit, own, [low, high], usual) in all {
         let old = declared.get(key).and_then(|d| d.get("tolerance"));
         let old = old.and_then(Item::as_value).and_then(|t| match t {
             Value::String(text) => units::converted(text.value(), unit).ok().flatten(),
             t => t.as_float().or_else(|| t.as_integer().map(|i| i as f64)),
         });
-        let tolerance = old.unwrap_or(0.0).max((high - low) / 2.0);
-        let [own, tolerance] = [own, tolerance].map(|x| (x * 1e6).round() / 1e6);
+        let stated = old.filter(|tolerance| *tolerance > 0.0);
+        let tolerance = stated.unwrap_or(usual).max((high - low) / 2.0);
+        // As fine as in plant.actuator.
+        let fine = if unit == "1" { 1e6 } else { 1e3 };
+        let [own, tolerance] = [own, tolerance].map(|x| (x * fine).round() / fine);
         let mut both = InlineTable::new();
         both.insert("value", own.into());
         both.insert("tolerance", tolerance.into());

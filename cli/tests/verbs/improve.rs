@@ -400,6 +400,28 @@ fn a_rig_that_is_as_declared_is_left_alone() {
 /// Friction and a late force keep the loop oscillating where it should be at rest: that is no noise. With friction, delay
 /// and lag known, 1.25 % can be reached.
 #[test]
+fn an_error_of_the_method_is_said_to_be_the_methods() {
+    let said = |more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args([
+                "improve",
+                "examples/undeclared/inertia.toml",
+                "--set",
+                "plant.effects=[]",
+            ])
+            .args(more)
+            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let own = "The error that is left is that of `none`";
+    let none = said(&["--set", "compensation.kind='none'", "--duration", "8"]);
+    assert!(none.contains(own), "{none}");
+    assert!(!said(&[]).contains("The error that is left"));
+}
+
+#[test]
 fn what_a_hunting_loop_hides_is_found_and_taken_out() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("hunting.toml");
