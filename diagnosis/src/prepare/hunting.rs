@@ -136,8 +136,9 @@ mod tests {
         let noise = |i: usize| ((i * 7919) % 1009) as f64 / 504.5 - 1.0;
         let moves = |t: f64| (2.0..20.0).contains(&t);
         let command = |t: f64| {
+            let swells = (std::f64::consts::PI * (t - 2.0) / 18.0).sin();
             if moves(t) {
-                5.0 * (4.0 * (t - 2.0)).sin()
+                5.0 * swells * (4.0 * (t - 2.0)).sin()
             } else {
                 0.0
             }
