@@ -77,8 +77,6 @@ impl ChannelDiagnosis<'_> {
                 four(declared),
                 unit = answer.unit
             ));
-            // What is saved is the declaration.
-            answer.error_after = answer.error_declared;
             return;
         }
         self.save_refit(answer, improved);
