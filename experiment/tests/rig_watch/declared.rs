@@ -162,6 +162,11 @@ fn what_the_watch_cannot_do_is_refused_and_its_names_are_the_catalogues() {
     let ideal = experiment.ideal().unwrap();
     let refused = experiment.run(method, &ideal, 3, false, ()).unwrap_err();
     assert!(refused.to_string().contains("learns lateness"), "{refused}");
+    // In a comparison it leaves lateness to a method that learns it.
+    let correct = "watch.correct=['lateness']".to_owned();
+    let test = TestFile::parse(RIG, "t.toml", Path::new(""), &[correct]).unwrap();
+    let experiment = Experiment::new(test, &near_fault(), Some(1.0)).unwrap();
+    experiment.run(method, &ideal, 3, false, ()).unwrap();
     for cause in outerloop_core::watch::Cause::ALL {
         let known = |e: &&plant::Effect| e.name() == cause.name();
         assert!(plant::Effect::ALL.iter().any(|e| known(&e)), "{cause:?}");
