@@ -6,7 +6,7 @@ use crate::numbers::signals::{deviation, difference, end_of, rms};
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::{Recording, correlation};
 use crate::record::rest;
-use crate::record::spectrum::{Density, low_passed};
+use crate::record::spectrum::{Density, low_passed, periodogram};
 use std::ops::Range;
 
 /// Frequencies at which the loop of an actuator swings by itself, Hz.
@@ -17,6 +17,16 @@ const BAND: [f64; 2] = [0.7, 1.4];
 const NOT_SENT: f64 = 1e-3;
 /// Multiple of the spectrum beyond twice its frequency that a swing has in its band.
 const STANDS_OUT: f64 = 10.0;
+/// Its peak and what lies below its band, in parts of its frequency, and how far the one is above the other: what friction or a limit
+/// makes of a command falls with frequency.
+const PEAK: [f64; 2] = [0.85, 1.18];
+const BELOW: [f64; 2] = [0.35, 0.6];
+const IS_A_PEAK: f64 = 1.5;
+/// A command with this share of its squares within this part of its frequency is a sine: its harmonics look like a swing up to this
+/// share of the motion.
+const SINE: f64 = 0.9;
+const SINE_BAND: f64 = 0.1;
+const HARMONIC: f64 = 0.4;
 /// Squares at rest over those of the swing up to which it is none of another machine's, which goes on at rest.
 const QUIET: f64 = 0.1;
 
@@ -42,6 +52,7 @@ pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
         seen(&recording.displacement_mm)?,
     );
     let h = recording.interval_s();
+    let motion = deviation(&moved);
     let own = Density::of(left, h)?;
     let [sent, moved] = [Density::of(&command, h)?, Density::of(&moved, h)?].map(|d| d.power);
     let bins = |from_hz: f64, to_hz: f64| {
@@ -67,14 +78,31 @@ pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
         let swings = difference(&below, &above);
         own.len() > 1 && deviation(&swings).powi(2) < QUIET * squares
     });
-    let stands_out = within > STANDS_OUT * floor * band.len() as f64;
-    let is_own = quiet && stands_out && sum(&sent) < NOT_SENT * sum(&moved);
+    let mean = |[from, to]: [f64; 2]| {
+        let own = &own.power[bins(from * hz, to * hz)];
+        own.iter().sum::<f64>() / own.len().max(1) as f64
+    };
+    let is_peak = mean(PEAK) > IS_A_PEAK * mean(BELOW);
+    let stands_out = is_peak && within > STANDS_OUT * floor * band.len() as f64;
+    let may_be_harmonic = squares.sqrt() < HARMONIC * motion && is_sine(&command);
+    let is_own = quiet && stands_out && !may_be_harmonic && sum(&sent) < NOT_SENT * sum(&moved);
     is_own.then_some(OwnSwing {
         hz,
         bin_hz: own.bin_hz,
         rms_mm: squares.sqrt(),
         share: within / all,
     })
+}
+
+/// True if a command has one frequency.
+fn is_sine(command: &[f64]) -> bool {
+    let power = periodogram(command);
+    let Some(top) = (1..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b])) else {
+        return false;
+    };
+    let near = (SINE_BAND * top as f64).ceil() as usize;
+    let own = &power[top.saturating_sub(near)..(top + near + 1).min(power.len())];
+    own.iter().sum::<f64>() > SINE * power.iter().sum::<f64>()
 }
 
 /// True if the specimen moves during a rest: a hunting loop swings displacement and force together, each well above its
@@ -135,14 +163,14 @@ mod tests {
         let h = 2e-3;
         let noise = |i: usize| ((i * 7919) % 1009) as f64 / 504.5 - 1.0;
         let moves = |t: f64| (2.0..20.0).contains(&t);
-        let command = |t: f64| {
-            let swells = (std::f64::consts::PI * (t - 2.0) / 18.0).sin();
+        let swells = |t: f64| {
             if moves(t) {
-                5.0 * swells * (4.0 * (t - 2.0)).sin()
+                (std::f64::consts::PI * (t - 2.0) / 18.0).sin()
             } else {
                 0.0
             }
         };
+        let command = |t: f64| swells(t) * (5.0 * (4.0 * t).sin() + 2.0 * (6.3 * t).sin());
         // Half a millimetre at 24 Hz, whose phase wanders.
         let swings = |t: f64| 0.5 * (150.0 * t + (0.7 * t).sin()).sin();
         let of = |sent: &dyn Fn(f64) -> f64, left: &dyn Fn(f64) -> f64| {
@@ -169,5 +197,10 @@ mod tests {
         let shaken = |t: f64| command(t) + hunts(t);
         assert!(of(&shaken, &hunts).is_none());
         assert!(of(&command, &|_| 0.0).is_none());
+        // Harmonics of a sine, and what falls with frequency.
+        let sine = |t: f64| swells(t) * 5.0 * (4.0 * t).sin();
+        assert!(of(&sine, &hunts).is_none());
+        let edges = |t: f64| 0.1 * command(t).signum() * f64::from(u8::from(moves(t)));
+        assert!(of(&command, &edges).is_none());
     }
 }
