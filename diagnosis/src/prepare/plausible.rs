@@ -293,7 +293,7 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
         match (at_end, first) {
             (true, None) => first = Some(i),
             (false, Some(from)) => {
-                if i - from >= STOP {
+                if i - from >= STOP && !is_a_step(x, from..i) {
                     stops.push((from, i));
                 }
                 first = None;
@@ -326,6 +326,19 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     longest.filter(|_| most)
 }
 
+/// True if a stop is a converter's step at a smooth turn, where it is up to 2.4 times as long as those beside it together.
+fn is_a_step(x: &[f64], stop: Range<usize>) -> bool {
+    fn run<'a>(mut samples: impl Iterator<Item = &'a f64>) -> usize {
+        let first = samples.next();
+        samples.take_while(|v| Some(*v) == first).count()
+    }
+    let beside = run(x[..stop.start].iter().rev()) + run(x[stop.end..].iter());
+    stop.len() <= STEPS_AT_A_TURN * beside
+}
+
+/// Largest length of a step at a turn, in steps beside it.
+const STEPS_AT_A_TURN: usize = 4;
+
 /// True if the declared mass moves so fast that its force, opposite to the displacement, may dominate.
 fn may_be_inertia(model: &crate::model::SpecimenModel, x: &[f64], interval_s: f64) -> bool {
     let (Some(k), Some(m)) = (model.stiffness_n_per_mm, model.mass_kg) else {
@@ -349,6 +362,12 @@ mod tests {
         let rail: Vec<f64> = late.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
         let stop = clipped(&rail, Some(&drive)).unwrap();
         assert!(rail[stop].iter().all(|x| x.abs() == 0.8));
+        // A converter's step at the turn of a motion that comes before its drive is no rail.
+        let early = |i: i32| ((0.01 * f64::from(i + 20)).sin() * 60.0).round() / 60.0;
+        let coarse: Vec<f64> = (0..6000).map(early).collect();
+        assert!(clipped(&coarse, Some(&drive)).is_none());
+        let rail: Vec<f64> = coarse.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
+        assert!(clipped(&rail, Some(&drive)).is_some());
         // A play stops where its drive turns; its values at the turns agree to the last written digit.
         let mut at = 0.0_f64;
         let play = |u: &f64| {
