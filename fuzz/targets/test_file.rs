@@ -10,7 +10,7 @@ fuzz_target!(|text: &str| {
         let _ = (
             test.compensation(),
             test.declared_model(),
-            test.remarks(),
+            test.warning_of_true_delay(),
         );
     }
 });
