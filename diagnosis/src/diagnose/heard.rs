@@ -90,7 +90,7 @@ impl ChannelDiagnosis<'_> {
                 None
             },
             rail: &|| self.rail(&answer.unit),
-            swing: swing.clone(),
+            swing,
             lacks: &|effects| self.lacks(effects),
         };
         let decision = decide(proposed, model, beside);

@@ -74,9 +74,12 @@ pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
     let offset = recording.time_s.len() - left.len();
     let quiet = rest::spans(recording).into_iter().any(|(first, end)| {
         let own = &left[first.saturating_sub(offset)..end.saturating_sub(offset)];
+        // The residual may begin after the rest, and a rest shorter than the swing shows none.
+        if (own.len() as f64) * h * hz < 2.0 {
+            return false;
+        }
         let [above, below] = BAND.map(|part| low_passed(own, h, part * hz));
-        let swings = difference(&below, &above);
-        own.len() > 1 && deviation(&swings).powi(2) < QUIET * squares
+        deviation(&difference(&below, &above)).powi(2) < QUIET * squares
     });
     let mean = |[from, to]: [f64; 2]| {
         let own = &own.power[bins(from * hz, to * hz)];
