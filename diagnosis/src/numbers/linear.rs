@@ -103,9 +103,10 @@ pub fn solve(normal: &Normal, bounds: &[Bound]) -> Option<(DVector<f64>, f64)> {
 
 /// Sum of products.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums at a time, which the processor can compute in parallel.
-    let mut sums = [0.0; 4];
-    let (ac, bc) = (a.chunks_exact(4), b.chunks_exact(4));
+    // Sixteen sums at a time, which the processor can compute in parallel.
+    const SUMS: usize = 16;
+    let mut sums = [0.0; SUMS];
+    let (ac, bc) = (a.chunks_exact(SUMS), b.chunks_exact(SUMS));
     let rest: f64 = ac
         .remainder()
         .iter()
@@ -113,7 +114,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
         .map(|(x, y)| x * y)
         .sum();
     for (x, y) in ac.zip(bc) {
-        for i in 0..4 {
+        for i in 0..SUMS {
             sums[i] += x[i] * y[i];
         }
     }

@@ -98,10 +98,23 @@ pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
         .collect()
 }
 
+/// `x` of 0 or more to the power of `n`; what most laws use without the logarithm of the general case.
+pub fn power(x: f64, n: f64) -> f64 {
+    if n == 1.0 {
+        x
+    } else if n == 2.0 {
+        x * x
+    } else if n == 0.5 {
+        x.sqrt()
+    } else {
+        x.powf(n)
+    }
+}
+
 /// Sliding with force 1 after a gradual turn-over, by Dahl's law: `dz = |1 - z s|^n s dx / yield_at` with `s` the sign of
 /// the motion and the roundness `n`, 0 to 1. With 0 it is [`slider`], with 1 it decays exponentially.
 pub fn dahl(x: &[f64], yield_at: f64, roundness: f64) -> Vec<f64> {
-    let power = 1.0 - roundness;
+    let exponent = 1.0 - roundness;
     let (mut z, mut last) = (0.0_f64, x[0]);
     x.iter()
         .map(|&x| {
@@ -109,12 +122,11 @@ pub fn dahl(x: &[f64], yield_at: f64, roundness: f64) -> Vec<f64> {
             last = x;
             let sign = way.signum();
             let missing = 1.0 - z * sign;
-            let missing = if power < STRAIGHT {
+            let missing = if exponent < STRAIGHT {
                 missing * (-way.abs()).exp()
             } else {
-                (missing.powf(power) - power * way.abs())
-                    .max(0.0)
-                    .powf(1.0 / power)
+                let after = power(missing, exponent) - exponent * way.abs();
+                power(after.max(0.0), 1.0 / exponent)
             };
             z = sign * (1.0 - missing);
             z
@@ -122,7 +134,7 @@ pub fn dahl(x: &[f64], yield_at: f64, roundness: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A power below this is an exponential decay.
+/// An exponent below this is an exponential decay.
 const STRAIGHT: f64 = 1e-6;
 
 /// Force over stiffness of an elastic-plastic element with yield displacement `yield_at`.
@@ -143,7 +155,7 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Ve
     x.iter()
         .map(|&x| {
             let dx = x - last;
-            let near = (z / yield_at).abs().powf(sharpness);
+            let near = power((z / yield_at).abs(), sharpness);
             let loading = if dx * z >= 0.0 {
                 1.0
             } else {

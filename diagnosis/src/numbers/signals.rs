@@ -157,8 +157,12 @@ pub fn resonant(u: &[f64], hz: f64, [damping, by_speed]: [f64; 2], interval_s: f
     u.iter()
         .map(|&u| {
             let drive = w * (u - stands) + moves;
-            let root = (linear * linear + square * drive.abs()).sqrt();
-            let speed = 2.0 * drive / (linear + root);
+            let speed = if square == 0.0 {
+                drive / linear
+            } else {
+                let root = (linear * linear + square * drive.abs()).sqrt();
+                2.0 * drive / (linear + root)
+            };
             let y = w * speed + stands;
             (moves, stands) = (2.0 * speed - moves, y + w * speed);
             y

@@ -269,9 +269,17 @@ impl Flow {
     /// Oil speed at an opening and a piston position, mm/s; `low`: missing fraction of the supply pressure.
     #[inline]
     fn at(&self, opening_mm: f64, at_mm: f64, low: f64) -> f64 {
-        let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
-        e *= (1.0 + self.unequal_areas * e).max(0.1);
-        e += self.two_speeds * e.abs();
+        // What a valve does not have is skipped: this is called some ten million times for a record.
+        let mut e = opening_mm;
+        if self.overlap_mm > 0.0 {
+            e -= e.clamp(-self.overlap_mm, self.overlap_mm);
+        }
+        if self.unequal_areas != 0.0 {
+            e *= (1.0 + self.unequal_areas * e).max(0.1);
+        }
+        if self.two_speeds != 0.0 {
+            e += self.two_speeds * e.abs();
+        }
         if self.load > 0.0 || low > 0.0 {
             e *= (1.0 - low - self.load * at_mm * e.signum())
                 .max(0.01)

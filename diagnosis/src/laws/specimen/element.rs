@@ -3,7 +3,7 @@
 use super::laws;
 use super::track::{MotionScales, Track};
 use crate::numbers::linear::Bound;
-use crate::numbers::operators::{heated, relaxed, returned, slider, slipped, travel};
+use crate::numbers::operators::{heated, power, relaxed, returned, slider, slipped, travel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -102,15 +102,20 @@ impl Element {
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
             Law::Distributed => laws::distributed(x, p, q),
             Law::InSeries => laws::in_series(x, h, p, q, r),
-            Law::PowerOfSpeed => of_v(&|v| (v / sizes.v).abs().powf(p).copysign(v)),
+            Law::PowerOfSpeed => of_v(&|v| power((v / sizes.v).abs(), p).copysign(v)),
             Law::Saturating => of_v(&|v| (v / p).tanh()),
             Law::Relaxing => relaxed(x, p, h),
-            Law::PowerOfPlace => of_x(&|x| x * (x / sizes.x).abs().powf(p)),
+            Law::PowerOfPlace => of_x(&|x| x * power((x / sizes.x).abs(), p)),
             Law::Lessened => {
                 let mut largest = t.largest_before_mm;
+                let of = |largest: f64| power(largest / sizes.x, p);
+                let mut share = of(largest);
                 let lost = |x: &f64| {
-                    largest = largest.max(x.abs());
-                    -x * (largest / sizes.x).powf(p)
+                    if x.abs() > largest {
+                        largest = x.abs();
+                        share = of(largest);
+                    }
+                    -x * share
                 };
                 x.iter().map(lost).collect()
             }

@@ -1,6 +1,6 @@
 //! Forces with memory, over a whole motion. Each starts relaxed.
 
-use crate::numbers::operators::slider;
+use crate::numbers::operators::{power, slider};
 use crate::numbers::signals::add_scaled;
 
 /// Yield displacements and forces of seven sliders, relative to their sums. After a reversal they build up as
@@ -46,16 +46,6 @@ pub fn rounded(x: f64, width: f64) -> f64 {
     way + width * ((-2.0 * way / width).exp().ln_1p() - std::f64::consts::LN_2)
 }
 
-fn power(z: f64, n: f64) -> f64 {
-    if n == 1.0 {
-        z.abs()
-    } else if n == 2.0 {
-        z * z
-    } else {
-        z.abs().powf(n)
-    }
-}
-
 /// Largest force of an element whose rates let it grow, in its own unit.
 const MOST: f64 = 50.0;
 
@@ -64,7 +54,7 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec
     let (mut z, mut last) = (0.0_f64, x[0]);
     let rate = |z: f64, dx: f64| {
         let sign = if dx * z >= 0.0 { -load } else { unload };
-        dx / yield_at * (1.0 + sign * power(z, n))
+        dx / yield_at * (1.0 + sign * power(z.abs(), n))
     };
     let step = |&x: &f64| {
         let dx = x - last;
@@ -89,9 +79,13 @@ pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) 
         last = x;
         // z + share |z|^n sign z = aim, by Newton from outside, where the function is convex.
         let size = aim.abs();
-        let mut y = size.min((size / share.max(1e-300)).powf(1.0 / n));
+        let mut y = size;
+        // Where it creeps by more than it holds, the creep alone is nearer.
+        if share * power(size, n - 1.0) > 1.0 {
+            y = power(size / share, 1.0 / n);
+        }
         for _ in 0..4 {
-            let p = y.powf(n - 1.0);
+            let p = power(y, n - 1.0);
             let closer = (y - (y + share * p * y - size) / (1.0 + share * n * p)).max(0.0);
             let reached = (y - closer).abs() <= CLOSE * y;
             y = closer;
