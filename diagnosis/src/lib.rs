@@ -51,7 +51,7 @@ pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{
     Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next, why_no_test,
 };
-pub use record::identify::{Identified, identify};
+pub use record::identify::{Identified, USUAL_GAINS, identify};
 pub use record::recording::{FEWEST_SAMPLES, Recording};
 pub use record::refusal::Refusal;
 pub use record::stamps::{gaps, missing_rows, usual_interval_s};

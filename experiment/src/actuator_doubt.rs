@@ -1,14 +1,12 @@
 //! What speaks against the four numbers that were fitted to an actuator's record.
 
 use crate::numbers::{percent, three};
-use diagnosis::{Identified, Recording};
+use diagnosis::{Identified, Recording, USUAL_GAINS};
 
 /// A model of an actuator leaves less than this share of a displacement that follows its command.
 const GOOD_NRMSE: f64 = 0.25;
 /// Delay and lag of an actuator, ms: beyond it no test can be run.
 const LONGEST_MS: f64 = 1000.0;
-/// Gains that a rig has whose channels are what their names say.
-const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// Why a fit to this record may not be believed, in one sentence: a wrong sign, exchanged channels, a displacement before its command,
 /// a unit that cannot be meant, a fit that leaves too much. `None`: nothing speaks against it.

@@ -241,3 +241,41 @@ fn levels(d: &Distortion) -> String {
         &curves,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_leaves_much_and_a_delay_that_may_be_lag_are_said() {
+        let sound = Identified {
+            gain: 1.0,
+            gain_ci90: [0.99, 1.01],
+            delay_ms: 4.0,
+            delay_ms_ci90: [3.9, 4.1],
+            lag_ms: 10.0,
+            lag_ms_ci90: [9.9, 10.1],
+            offset_mm: 0.0,
+            offset_mm_ci90: [-0.1, 0.1],
+            nrmse: 0.01,
+        };
+        assert_eq!(remarks(&sound), [""; 0]);
+        let left = Identified {
+            nrmse: 0.03,
+            ..sound
+        };
+        assert!(remarks(&left)[0].contains("`outerloop diagnose`"));
+        // Wider than its value, and than half of delay and lag.
+        let open = Identified {
+            delay_ms_ci90: [0.0, 8.0],
+            ..sound
+        };
+        assert!(remarks(&open)[0].starts_with("The delay is uncertain"));
+        let narrower = Identified {
+            delay_ms: 1.0,
+            delay_ms_ci90: [0.0, 3.0],
+            ..sound
+        };
+        assert_eq!(remarks(&narrower), [""; 0]);
+    }
+}

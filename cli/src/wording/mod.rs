@@ -483,6 +483,9 @@ mod tests {
         a.members = vec![member((Effect::Drift, 0.6)), member((Effect::Offset, 0.3))];
         let beside = "; beside that drift 60 %, offset 30 %.";
         assert_eq!(sureness(&a).unwrap(), format!("{two}{beside}{rival}"));
+        a.verdict = Verdict::Ambiguous;
+        let lacks = "lacks coulomb_friction and backlash, and drift or offset: this data";
+        assert!(headline(&a).contains(lacks), "{}", headline(&a));
         a.effects.clear();
         assert_eq!(
             sureness(&a).unwrap(),

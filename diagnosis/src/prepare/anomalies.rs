@@ -3,24 +3,25 @@
 use crate::criteria::records::{BACK, DEAD_S, FAR, FEWEST_OUTLIERS, FOLLOWS, LEAVES, MOVES, NEAR};
 use crate::model::Model;
 use crate::numbers::signals::{deviation, mean};
+use crate::record::identify::USUAL_GAINS;
 use crate::record::recording::{Recording, correlation, range};
 
-/// Factors between units that are easily confused, with their names.
-const LENGTHS: &[(f64, &str)] = &[
-    (25.4, "an inch has 25.4 mm"),
-    (10.0, "a centimetre has 10 mm"),
-    (1000.0, "a metre has 1000 mm"),
-];
-const FORCES_AND_LENGTHS: &[(f64, &str)] = &[
-    (25.4, "an inch has 25.4 mm"),
-    (10.0, "a centimetre has 10 mm"),
-    (9.80665, "a kilogram-force has 9.807 N"),
-    (4.44822, "a pound-force has 4.448 N"),
-    (1000.0, "a kN has 1000 N, a metre 1000 mm"),
+/// Factors between units that are easily confused, what they are of, and their names.
+const UNITS: &[(f64, Quantity, &str)] = &[
+    (25.4, Quantity::Length, "an inch has 25.4 mm"),
+    (10.0, Quantity::Length, "a centimetre has 10 mm"),
+    (1000.0, Quantity::Length, "a metre has 1000 mm"),
+    (1000.0, Quantity::Force, "a kN has 1000 N"),
+    (9.80665, Quantity::Force, "a kilogram-force has 9.807 N"),
+    (4.44822, Quantity::Force, "a pound-force has 4.448 N"),
 ];
 
-/// Displacement per command that an actuator has, times the declared.
-const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+/// What a channel measures.
+#[derive(Clone, Copy, PartialEq)]
+enum Quantity {
+    Length,
+    Force,
+}
 
 /// Questions about the records, one sentence each.
 pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
@@ -43,24 +44,31 @@ fn of(model: &Model, r: &Recording) -> Vec<String> {
             ));
         }
         let gain = a.gain.map_or(1.0, |g| g.value);
-        all.extend(unit(r, "displacement per command", (u, x), (gain, LENGTHS)));
+        all.extend(unit(
+            r,
+            "displacement per command",
+            (u, x),
+            gain,
+            Quantity::Length,
+        ));
         all.extend(dead(r, "displacement", u, x));
     }
     if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) {
         let stiffness = s.stiffness_n_per_mm.map_or(0.0, |k| k.value);
-        let declared = (stiffness, FORCES_AND_LENGTHS);
-        all.extend(unit(r, "force per displacement", (x, f), declared));
+        let of = Quantity::Force;
+        all.extend(unit(r, "force per displacement", (x, f), stiffness, of));
         all.extend(dead(r, "force", x, f));
     }
     all
 }
 
-/// A ratio that is a conversion factor between two units.
+/// A ratio of an output of this quantity to a length that is a conversion factor between two units.
 fn unit(
     r: &Recording,
     what: &str,
     (input, output): (&[f64], &[f64]),
-    (declared, units): (f64, &[(f64, &str)]),
+    declared: f64,
+    of: Quantity,
 ) -> Option<String> {
     let ratio = range(output) / (range(input) * declared.abs());
     if !ratio.is_finite() || correlation(input, output).abs() < FOLLOWS {
@@ -71,11 +79,19 @@ fn unit(
     let near =
         |factor: f64| (ratio / factor - 1.0).abs() < NEAR && (early / factor - 1.0).abs() < EARLY;
     let off = |factor: f64| (ratio.ln().abs() - factor.ln()).abs();
-    let both = units.iter().filter(|(f, _)| near(*f) || near(1.0 / f));
-    let known = both.min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
-    let why = match known {
-        Some((_, why)) => why,
-        None if units == LENGTHS && !USUAL_GAINS.contains(&ratio) => "no actuator goes so far off",
+    let own = UNITS
+        .iter()
+        .filter(|u| u.1 == Quantity::Length || u.1 == of);
+    let known: Vec<_> = own.filter(|u| near(u.0) || near(1.0 / u.0)).collect();
+    let nearest = known.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+    let why = match nearest {
+        Some(nearest) => {
+            let alike = known.iter().filter(|u| u.0 == nearest.0).map(|u| u.2);
+            alike.collect::<Vec<&str>>().join(" and ")
+        }
+        None if of == Quantity::Length && !USUAL_GAINS.contains(&ratio) => {
+            "no actuator goes so far off".into()
+        }
         None => return None,
     };
     Some(format!(

@@ -25,6 +25,10 @@ const T_95: f64 = 1.699;
 /// Largest residual of a fit that explains anything, relative to the displacement's standard deviation.
 const WORST_NRMSE: f64 = 0.8;
 const ITERATIONS: usize = 40;
+
+/// Gains, over the declared one, of a rig whose channels are what their names say.
+pub const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
 /// If a record is at least twice this long, this many samples determine where a fit starts.
 const LONG: usize = 200_000;
 
