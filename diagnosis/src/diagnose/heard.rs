@@ -14,8 +14,8 @@ use crate::prepare::{advice, wear};
 use crate::record::recording::Recording;
 use plant::{Channel, Effect};
 
-/// Share of a residual's squares from which on a swing is nearly all of it.
-const MOST_OF_IT: f64 = 0.9;
+/// Share of a residual's squares from which on a swing is most of it.
+const MOST_OF_IT: f64 = 0.5;
 /// Names of a loop that is slower than declared.
 const SLOWER: [Effect; 3] = [Effect::LagError, Effect::DelayError, Effect::SecondLag];
 

@@ -6,15 +6,16 @@ use crate::numbers::signals::{deviation, difference, end_of, rms};
 use crate::prepare::noise::hum::without_hum;
 use crate::record::recording::{Recording, correlation};
 use crate::record::rest;
-use crate::record::spectrum::{Density, low_passed, periodogram};
+use crate::record::spectrum::{low_passed, periodogram};
+use fourier::Complex;
 use std::ops::Range;
 
 /// Frequencies at which the loop of an actuator swings by itself, Hz.
 const LOOP_HZ: Range<f64> = 3.0..100.0;
 /// A swing's band, in parts of its frequency.
 const BAND: [f64; 2] = [0.7, 1.4];
-/// Share of the displacement's squares in that band up to which the command has nothing to do with it.
-const NOT_SENT: f64 = 1e-3;
+/// Number of windows over which a coherence is averaged.
+const WINDOWS: usize = 16;
 /// Multiple of the spectrum beyond twice its frequency that a swing has in its band.
 const STANDS_OUT: f64 = 10.0;
 /// Its peak and what lies below its band, in parts of its frequency, and how far the one is above the other: what friction or a limit
@@ -43,8 +44,8 @@ pub struct OwnSwing {
     pub share: f64,
 }
 
-/// The swing in the residual of an actuator's record, if it is the loop's own: the command does not have it, and neither has the
-/// rest before or after the motion. A position loop swings so whose oil column is soft for its gain.
+/// The swing in the residual of an actuator's record, if it is the loop's own: it is no linear response to the command, and the rest
+/// before or after the motion does not have it. A position loop swings so whose oil column is soft for its gain.
 pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
     let seen = |x: &Option<Vec<f64>>| Some(end_of(x.as_ref()?, left.len()).to_vec());
     let (command, moved) = (
@@ -53,24 +54,16 @@ pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
     );
     let h = recording.interval_s();
     let motion = deviation(&moved);
-    let own = Density::of(left, h)?;
-    let [sent, moved] = [Density::of(&command, h)?, Density::of(&moved, h)?].map(|d| d.power);
-    let bins = |from_hz: f64, to_hz: f64| {
-        let bin = |hz: f64| ((hz / own.bin_hz).round() as usize).min(own.power.len());
-        bin(from_hz)..bin(to_hz)
-    };
-    let loops = bins(LOOP_HZ.start, LOOP_HZ.end.min(0.2 / h));
-    let not_sent = loops.filter(|i| sent[*i] < NOT_SENT * moved[*i]);
-    let peak = not_sent.max_by(|a, b| own.power[*a].total_cmp(&own.power[*b]))?;
+    let own = NotSent::of(&command, left, h)?;
+    let peak = own.bins([LOOP_HZ.start, LOOP_HZ.end.min(0.2 / h)]);
+    let peak = peak.max_by(|a, b| own.power[*a].total_cmp(&own.power[*b]))?;
     let hz = peak as f64 * own.bin_hz;
-    let band = bins(BAND[0] * hz, BAND[1] * hz);
-    let sum = |power: &[f64]| power[band.clone()].iter().sum::<f64>();
-    let within = sum(&own.power);
-    let mut beyond = own.power[bins(2.0 * hz, f64::INFINITY)].to_vec();
+    let band = &own.power[own.bins(BAND.map(|part| part * hz))];
+    let within = band.iter().sum::<f64>();
+    let mut beyond = own.power[own.bins([2.0 * hz, f64::INFINITY])].to_vec();
     beyond.sort_by(f64::total_cmp);
     let floor = *beyond.get(beyond.len() / 2)?;
-    let all = own.power.iter().sum::<f64>();
-    let squares = within * own.bin_hz;
+    let squares = within / own.whole * deviation(left).powi(2);
     let offset = recording.time_s.len() - left.len();
     let quiet = rest::spans(recording).into_iter().any(|(first, end)| {
         let own = &left[first.saturating_sub(offset)..end.saturating_sub(offset)];
@@ -81,20 +74,48 @@ pub fn own_swing(recording: &Recording, left: &[f64]) -> Option<OwnSwing> {
         let [above, below] = BAND.map(|part| low_passed(own, h, part * hz));
         deviation(&difference(&below, &above)).powi(2) < QUIET * squares
     });
-    let mean = |[from, to]: [f64; 2]| {
-        let own = &own.power[bins(from * hz, to * hz)];
+    let mean = |parts: [f64; 2]| {
+        let own = &own.power[own.bins(parts.map(|part| part * hz))];
         own.iter().sum::<f64>() / own.len().max(1) as f64
     };
     let is_peak = mean(PEAK) > IS_A_PEAK * mean(BELOW);
     let stands_out = is_peak && within > STANDS_OUT * floor * band.len() as f64;
     let may_be_harmonic = squares.sqrt() < HARMONIC * motion && is_sine(&command);
-    let is_own = quiet && stands_out && !may_be_harmonic && sum(&sent) < NOT_SENT * sum(&moved);
+    let is_own = quiet && stands_out && !may_be_harmonic;
     is_own.then_some(OwnSwing {
         hz,
         bin_hz: own.bin_hz,
         rms_mm: squares.sqrt(),
-        share: within / all,
+        share: within / own.whole,
     })
+}
+
+/// The spectrum of what a linear model of any order cannot derive from a command: the part that is not coherent with it.
+struct NotSent {
+    power: Vec<f64>,
+    /// The squares of all, coherent or not.
+    whole: f64,
+    bin_hz: f64,
+}
+
+impl NotSent {
+    fn of(command: &[f64], left: &[f64], interval_s: f64) -> Option<Self> {
+        let spectra = fourier::cross_spectra(command, left, WINDOWS)?;
+        let not_coherent = |(uu, yy, uy): &(f64, f64, Complex<f64>)| {
+            (yy - uy.norm_sqr() / uu.max(f64::MIN_POSITIVE)).max(0.0)
+        };
+        Some(Self {
+            power: spectra.lines.iter().map(not_coherent).collect(),
+            whole: spectra.lines.iter().map(|s| s.1).sum(),
+            bin_hz: 1.0 / (spectra.length as f64 * interval_s),
+        })
+    }
+
+    /// The lines from one frequency to another, Hz.
+    fn bins(&self, hz: [f64; 2]) -> Range<usize> {
+        let [from, to] = hz.map(|hz| ((hz / self.bin_hz).round() as usize).min(self.power.len()));
+        from..to
+    }
 }
 
 /// True if a command has one frequency.
@@ -195,6 +216,10 @@ mod tests {
         assert!((found.hz - 24.0).abs() < 1.5, "{found:?}");
         assert!((found.rms_mm - 0.32).abs() < 0.05, "{found:?}");
         assert!(found.share > 0.9, "{found:?}");
+        // A random command has the frequency, too, and the swing does not follow it.
+        let busy = |t: f64| command(t) + swells(t) * 2.0 * noise((t / h).round() as usize / 4);
+        let found = of(&busy, &hunts).unwrap();
+        assert!((found.hz - 24.0).abs() < 1.5, "{found:?}");
         // Another machine goes on at rest; a command that has the frequency moves the ram; noise is none.
         assert!(of(&command, &swings).is_none());
         let shaken = |t: f64| command(t) + hunts(t);
