@@ -8,7 +8,7 @@ use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
 use outerloop_core::watch::Instructions;
-use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Record, Sample, flag};
+use outerloop_core::{Event, Fault, InPlace, Mode, OuterLoop, Record, Rejected, Sample, flag};
 use std::time::Instant;
 
 /// Idle steps before arming: the loop averages the readings at rest.
@@ -66,7 +66,13 @@ impl FromRest {
     ) -> Result<bool, Failure> {
         match mode {
             Mode::Idle if self.idle_steps >= IDLE_STEPS => {
-                outer.handle(Event::Arm).map_err(Failure::test)?;
+                let why = |refused: Rejected| {
+                    format!(
+                        "{refused}: accepted is a rig at rest within its limits, noise included"
+                    )
+                };
+                let armed = outer.handle(Event::Arm);
+                armed.map_err(|refused| Failure::test(why(refused)))?;
             }
             Mode::Idle => self.idle_steps += 1,
             Mode::Armed => drop(outer.handle(Event::Start)),

@@ -20,6 +20,10 @@ pub const BEGINS: std::ops::Range<f64> = -0.2..0.9;
 /// Half ranges over which the growth of a stiffening loop is judged.
 const MOST_GROWTH: f64 = 1.0;
 
+/// The rates of a loop out and back, together, over the larger of them: with opposite ones the way back is the way out, which is a
+/// spring, and with less it would give energy.
+const DISSIPATES: f64 = 0.1;
+
 /// Heat by the own motion over that of time beyond which the latter is none.
 const MOST_OWN_HEAT: f64 = 1e3;
 
@@ -71,6 +75,7 @@ impl Element {
                     && (-1.0..=30.0).contains(&r)
                     && (-0.95..=30.0).contains(&s)
                     && grows > -4.0
+                    && r + s > DISSIPATES * r.abs().max(s.abs())
             }
             // Longer yields would be springs of unknown state.
             Law::Distributed => (5e-3 * x..=0.97 * x).contains(&p) && BEGINS.contains(&q),
