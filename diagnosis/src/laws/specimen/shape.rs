@@ -120,7 +120,31 @@ impl Element {
 
 #[cfg(test)]
 mod tests {
+    use super::super::laws;
     use super::*;
+    use crate::numbers::signals::peak;
+
+    #[test]
+    fn a_loop_that_returns_on_the_way_out_is_a_spring() {
+        let sizes = MotionScales {
+            x: 1.0,
+            ..MotionScales::default()
+        };
+        let x: Vec<f64> = (0..2000).map(|i| (0.01 * f64::from(i)).sin()).collect();
+        // Work over the second cycle, of the largest force and the range.
+        let dissipated = |load, unload| {
+            let f = laws::bouc_wen(&x, 1.0, 1.0, load, unload);
+            let work = (628..1256).map(|i| 0.5 * (f[i] + f[i + 1]) * (x[i + 1] - x[i]));
+            work.sum::<f64>() / peak(&f)
+        };
+        let is_sound =
+            |load, unload| Element::new(Law::BoucWen, [1.0, 1.0, load, unload]).is_sound(&sizes);
+        assert!(is_sound(1.0, 0.5) && dissipated(1.0, 0.5) > 0.1);
+        assert!(is_sound(-0.4, 1.0) && dissipated(-0.4, 1.0) > 0.1);
+        assert!(!is_sound(-0.4, 0.4) && dissipated(-0.4, 0.4).abs() < 1e-3);
+        assert!(!is_sound(0.4, -0.4) && dissipated(0.4, -0.4).abs() < 1e-3);
+        assert!(!is_sound(-0.8, 0.4) && dissipated(-0.8, 0.4) < 0.0);
+    }
 
     #[test]
     fn a_gap_is_no_narrower_than_nothing() {
