@@ -2,6 +2,7 @@
 
 use crate::board::Trajectory;
 use crate::site::TestSite;
+use crate::terminal::interrupt;
 use crate::terminal::progress::Progress;
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, Refitted, RigLimits, Verdict};
 use experiment::Experiment;
@@ -165,6 +166,7 @@ impl Improvement {
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
+        goes_on()?;
         let better = improved.test.config.compensation.kind;
         let after = ran(site.run(&improved, better, &ideal, seed, true, progress.observer())?)?;
         let (train, held_out) = split_record(&improved, &after)?;
@@ -260,6 +262,7 @@ fn closing_tests(
         let Some(next) = next.filter(tells) else {
             break;
         };
+        goes_on()?;
         let signal = SignalPoints::of(&next)?;
         let played = site.play(
             test,
@@ -281,6 +284,14 @@ fn closing_tests(
         });
     }
     Ok(designed)
+}
+
+/// Before each motion: nobody has asked to end.
+fn goes_on() -> Result<(), Failure> {
+    if interrupt::asked() {
+        return Err(Failure::test("ends as asked, before its next motion"));
+    }
+    Ok(())
 }
 
 /// The test on the declared rig, if the simulated one differs from it.

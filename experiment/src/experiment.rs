@@ -103,7 +103,7 @@ pub fn shaken(
         Some(s) if s > 0.0 && s <= LONGEST_S => s,
         Some(s) => {
             return Err(Failure::input(format!(
-                "a duration of {s} s is refused: accepted are seconds above 0, up to {LONGEST_S}"
+                "a duration of {s} s (excitation.duration_s, or --duration) is refused: accepted are seconds above 0, up to {LONGEST_S}"
             )));
         }
     };

@@ -222,7 +222,7 @@ impl Document {
 
     /// The test file at the end of a page.
     pub fn test_file(&mut self, text: &str) {
-        self.heading("The test file, as it was used");
+        self.heading("The test file, with what --set changed");
         self.file(text);
     }
 

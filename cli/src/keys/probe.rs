@@ -5,8 +5,8 @@ use experiment::files::test::TestFile;
 use std::path::Path;
 
 /// A valid test file.
-const PLAIN: &str =
-    "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
+const PLAIN: &str = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+                     [plant.actuator]\nkind = \"ideal\"\n";
 /// A valid test of coupled actuators.
 const COUPLED: &str = include_str!("../../../examples/coupled-frame.toml");
 /// Kinds with which a key of the rig is probed, since another kind would refuse it for being present at all.

@@ -58,6 +58,10 @@ impl MotionArguments {
         };
         match named.or(of_test.record.as_deref()) {
             Some(path) => GroundMotionFile::load(path, columns),
+            None if self.dt.is_some() || self.unit.is_some() => Err(Failure::input(
+                "--dt and --unit tell how a file is read, and the ground motion is the built-in one: accepted are they beside \
+                 --record FILE, or with a test file whose excitation.record names one",
+            )),
             None => Ok(near_fault()),
         }
     }

@@ -98,6 +98,9 @@ const SPREAD: Spread = Spread {
 /// Tests whose ideal responses are computed together.
 const TOGETHER: usize = 4;
 
+/// The key that `--duration` overrides.
+const DURATION: &str = "excitation.duration_s";
+
 /// The result of a sweep.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct SweepResult<'a> {
@@ -124,6 +127,11 @@ impl Sweep {
         let out = look_ahead::folder(self.out.as_deref(), &names)?;
         interrupt::watch();
         let range = Range::parse(over)?;
+        if range.path == DURATION && self.common.duration.is_some() {
+            return Err(Failure::input(format!(
+                "--over {DURATION} and --duration exclude each other: accepted is one"
+            )));
+        }
         let experiments = self.experiments(&range)?;
         let Some((_, first)) = experiments.first() else {
             return require_all_ran(0, range.values.len());

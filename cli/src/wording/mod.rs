@@ -239,11 +239,23 @@ pub fn refitted(a: &ChannelAnswer) -> Option<String> {
 const AT_THE_END: f64 = 2.95;
 const BEYOND_THE_END: f64 = 3.05;
 
+/// Two errors that differ by more than this fraction are both given.
+const ANOTHER: f64 = 0.01;
+
 /// The change of the error on held-out data.
 fn change(a: &ChannelAnswer) -> String {
     let (before, after) = (a.error_before.test_rms, a.error_after.test_rms);
+    let declared = a.error_declared.test_rms;
+    let refitted = if (declared / before - 1.0).abs() > ANOTHER {
+        format!(
+            " with the declared parameters refitted, {} as declared,",
+            quantity(declared, &a.unit)
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "On held-out data the error falls from {} to {} rms; the noise is {}.",
+        "On held-out data the error falls from {}{refitted} to {} rms; the noise is {}.",
         quantity(before, &a.unit),
         quantity(after, &a.unit),
         quantity(a.noise_floor_rms, &a.unit)

@@ -47,6 +47,13 @@ fn bad_input_gets_one_sentence() {
             "below 79.6 ms",
         ],
     );
+    // What would be ignored: how a file is read where none is, a duration that is swept, a late actuator of the default kind.
+    refused(&["run", TABLE1, "--dt", "0.5"], &["--dt", "--record"]);
+    let swept = ["--over", "excitation.duration_s=5,10", "--duration", "20"];
+    refused(
+        &[&["sweep", TABLE1], &swept[..]].concat(),
+        &["excitation.duration_s", "--duration", "exclude each other"],
+    );
     for delay in ["-1", "2000", "1e9", "inf"] {
         let set = format!("plant.actuator.delay_ms={delay}");
         refused(

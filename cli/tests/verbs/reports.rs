@@ -178,7 +178,7 @@ fn a_check_has_a_report_whatever_its_verdict_is() {
         "STABLE",
         "0 of 20",
         "Where the delay comes from",
-        "The test file, as it was used",
+        "The test file, with what --set changed",
         "SHA-256",
         "<dt>seed</dt>",
     ];

@@ -51,13 +51,13 @@ fn of(model: &Model, r: &Recording) -> Vec<String> {
             gain,
             Quantity::Length,
         ));
-        all.extend(dead(r, "displacement", u, x));
+        all.extend(dead(r, "displacement", "mm", (u, x)));
     }
     if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) {
         let stiffness = s.stiffness_n_per_mm.map_or(0.0, |k| k.value);
         let of = Quantity::Force;
         all.extend(unit(r, "force per displacement", (x, f), stiffness, of));
-        all.extend(dead(r, "force", x, f));
+        all.extend(dead(r, "force", "N", (x, f)));
     }
     all
 }
@@ -175,7 +175,12 @@ fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
 }
 
 /// A channel that stays constant to the bit while its input moves.
-fn dead(r: &Recording, what: &str, input: &[f64], output: &[f64]) -> Option<String> {
+fn dead(
+    r: &Recording,
+    what: &str,
+    unit: &str,
+    (input, output): (&[f64], &[f64]),
+) -> Option<String> {
     let least = (DEAD_S / r.interval_s()).ceil() as usize;
     let mut from = 0;
     let mut longest = 0..0;
@@ -192,7 +197,7 @@ fn dead(r: &Recording, what: &str, input: &[f64], output: &[f64]) -> Option<Stri
         return None;
     }
     Some(format!(
-        "{}: {what} stands at {} from {:.3} s to {:.3} s while its input moves by {moved:.4} mm: is the transducer dead there, \
+        "{}: {what} stands at {} {unit} from {:.3} s to {:.3} s while its input moves by {moved:.4} mm: is the transducer dead there, \
          or at its rail? If so, keep the file and judge spans without that part (FILE@T0..T1).",
         r.name,
         output[longest.start],
@@ -292,7 +297,7 @@ mod tests {
         assert!(frozen[0].contains("from 4.000 s to 5.999 s"), "{frozen:?}");
         let zeros = said(|r| r.force_n.as_mut().unwrap()[2000..4000].fill(0.0));
         assert!(
-            zeros[0].contains("force stands at 0 from 2.000 s"),
+            zeros[0].contains("force stands at 0 N from 2.000 s"),
             "{zeros:?}"
         );
     }

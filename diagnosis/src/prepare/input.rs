@@ -5,6 +5,7 @@ use crate::criteria::specimen::TOGETHER;
 use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
 use crate::model::answer::{FoundEffect, Member};
 use crate::model::base::Base;
+use crate::prepare::noise::{between_bins, without_trend};
 use crate::record::recording::{Recording, range};
 use crate::record::spectrum::{Density, motion_band_hz, smooth};
 use plant::{Channel, Effect, Family};
@@ -81,7 +82,8 @@ fn only_line_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     let own: f64 = speed[at.saturating_sub(room)..(at + room + 1).min(speed.len())]
         .iter()
         .sum();
-    (at >= 3 && own > ONE_FREQUENCY * whole).then_some(at as f64 * bin_hz)
+    (at >= 3 && own > ONE_FREQUENCY * whole)
+        .then(|| between_bins(&without_trend(x), interval_s, at as f64 * bin_hz))
 }
 
 fn one_frequency(channel: Channel, hz: f64) -> Deficiency {

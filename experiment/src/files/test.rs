@@ -53,7 +53,7 @@ pub struct TestFile {
     pub coupled: Option<Box<CoupledPart>>,
     /// Whether the running test is watched.
     pub watch: WatchSettings,
-    /// The file as it was used, overrides and all.
+    /// The file as it was used, with what `--set` changed.
     pub text: String,
 }
 
@@ -296,7 +296,9 @@ impl TestFile {
                 text,
             });
         }
-        let mut plant: RigSpec = part("plant", table.remove("plant"))?;
+        let plant = table.remove("plant");
+        refuse_late_ideal(plant.as_ref())?;
+        let mut plant: RigSpec = part("plant", plant)?;
         plant.effects.retain(|e| e.enabled);
         let board: BoardWanted = part("board", table.remove("board"))?;
         board.check()?;
@@ -363,6 +365,30 @@ pub fn parse<T>(
         };
         Failure::input(format!("{file}{set}: {mistake}"))
     })
+}
+
+/// Refuses an actuator that has what only late ones have, and no kind: the default is ideal and would ignore it. Where `ideal` is
+/// written it is meant.
+fn refuse_late_ideal(plant: Option<&Value>) -> Result<(), String> {
+    let actuator = plant.and_then(|p| p.get("actuator")?.as_table());
+    let Some(actuator) = actuator.filter(|a| !a.contains_key("kind")) else {
+        return Ok(());
+    };
+    let late = [
+        "delay_ms",
+        "lag_ms",
+        "zeta",
+        "multiplier_sd",
+        "delay_jump",
+        "servo",
+    ];
+    match late.into_iter().find(|key| actuator.contains_key(*key)) {
+        Some(key) => Err(format!(
+            "plant.actuator.{key} is given and plant.actuator.kind is not: accepted is a kind beside it, such as \"delay\" or \
+             \"lag_delay\"; \"ideal\" ignores it (`outerloop keys plant.actuator`)"
+        )),
+        None => Ok(()),
+    }
 }
 
 /// One degree of freedom is written as numbers: core takes lists.
@@ -446,6 +472,16 @@ mod tests {
     fn with(overrides: &[&str]) -> Result<TestFile, String> {
         let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
         TestFile::parse(TEXT, "t.toml", Path::new("tests"), &overrides).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_late_actuator_needs_a_kind_and_an_ideal_one_ignores_what_it_has() {
+        let text = TEXT.replace("kind = \"delay\"\n", "");
+        let of = |text: &str| TestFile::parse(text, "t.toml", Path::new(""), &[]);
+        let said = of(&text).unwrap_err().to_string();
+        assert!(said.contains("plant.actuator.delay_ms is given"), "{said}");
+        assert!(of(&TEXT.replace("delay\"", "ideal\"")).is_ok());
+        assert!(of(&text.replace("delay_ms", "gain")).is_ok());
     }
 
     #[test]
