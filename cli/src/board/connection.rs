@@ -106,6 +106,8 @@ impl<P: Port> Connection<P> {
     /// # Errors
     /// The link is lost, or the board is silent or of another version.
     pub fn ask(&mut self, command: &Command) -> Result<Reply, Failure> {
+        // Replies to heartbeats that nobody waited for: their numbers come again after 65 536.
+        self.answers.clear();
         let request = self.next_request();
         let wire = command.encode(request).map_err(|_| {
             Failure::input("the command does not fit a frame of the link: accepted are tests of up to 8 floors")
